@@ -1,0 +1,2 @@
+//! Writes the built-in scenes.
+fn main() {}

@@ -1,1 +1,4 @@
-//! neumann
+//! Light transport, bounce by bounce.
+
+pub mod radiometry;
+pub mod scene;

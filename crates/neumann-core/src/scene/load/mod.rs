@@ -1,0 +1,1 @@
+//! Reads glTF files into a [`SceneDescription`](super::description::SceneDescription).

@@ -1,4 +1,11 @@
 //! Light transport, bounce by bounce.
 
+pub mod endpoint;
+pub mod film;
+pub mod integrator;
+pub mod math;
 pub mod radiometry;
+pub mod render;
+pub mod sampling;
 pub mod scene;
+pub mod transport;

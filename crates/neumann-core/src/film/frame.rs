@@ -1,0 +1,69 @@
+//! One iteration: one complete estimate of the image.
+
+use crate::radiometry::Rgb;
+
+/// One iteration, layer by layer.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    width: usize,
+    height: usize,
+    /// `layers[k][y * width + x]`, row 0 on top; the last one is the tail.
+    pub(crate) layers: Vec<Vec<Rgb>>,
+    /// Contributions that were not finite or negative, and so left out.
+    pub(crate) n_refused: u64,
+    /// Rays traced.
+    pub(crate) n_rays: u64,
+}
+
+impl Frame {
+    /// A black frame with `n_layers` bounce layers and a tail.
+    #[must_use]
+    pub fn new(width: usize, height: usize, n_layers: usize) -> Self {
+        Self {
+            width,
+            height,
+            layers: vec![vec![Rgb::BLACK; width * height]; n_layers + 1],
+            n_refused: 0,
+            n_rays: 0,
+        }
+    }
+
+    /// Pixels per row.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// `layers()[k][y * width + x]`, row 0 on top; the last one is the tail.
+    #[must_use]
+    pub fn layers(&self) -> &[Vec<Rgb>] {
+        &self.layers
+    }
+
+    /// Contributions refused because they were not finite or negative.
+    #[must_use]
+    pub fn n_refused(&self) -> u64 {
+        self.n_refused
+    }
+
+    /// Rays traced for this frame.
+    #[must_use]
+    pub fn n_rays(&self) -> u64 {
+        self.n_rays
+    }
+
+    /// Makes it black again and forgets its counts.
+    pub(crate) fn clear(&mut self) {
+        for layer in &mut self.layers {
+            layer.fill(Rgb::BLACK);
+        }
+        self.n_refused = 0;
+        self.n_rays = 0;
+    }
+}

@@ -1,0 +1,22 @@
+//! What was measured: the terms of `L = Σ_k T^k L_e`, kept apart by bounce.
+//!
+//! A [`Frame`] is one iteration, one complete estimate of the image; a
+//! [`Film`] is the mean of its frames. Both hold K bounce layers `T0 … T(K-1)`
+//! and one tail layer for every bounce `k ≥ K`, so that the layers always add
+//! up to L. Everything here is linear, unclamped radiance; exposure, tone
+//! curve and false colour happen on the way to the screen.
+
+pub mod contribution;
+pub mod features;
+mod film_of_frames;
+mod frame;
+pub mod view;
+
+pub use contribution::{Contribution, Joint, Strategy};
+pub use features::Features;
+pub use film_of_frames::{Film, FilmError};
+pub use frame::Frame;
+pub use view::View;
+
+/// Number of bounce layers (the tail not counted) where nothing else is asked for.
+pub const DEFAULT_LAYERS: usize = 8;

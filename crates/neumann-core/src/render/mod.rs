@@ -1,0 +1,19 @@
+//! Threads, streams and merge order: how iterations are run and collected.
+//!
+//! [`Pass`] runs one iteration in parallel and deterministically;
+//! [`Renderer`] strings iterations together for a command; [`RenderLoop`]
+//! does so in the background for a window.
+
+mod cancel;
+mod pass;
+mod pool;
+mod render_loop;
+mod renderer;
+mod settings;
+
+pub use cancel::{CancelToken, Cancelled};
+pub use pass::{Pass, Sink};
+pub use pool::WorkerPool;
+pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule};
+pub use renderer::Renderer;
+pub use settings::RenderSettings;

@@ -1,0 +1,482 @@
+//! Renders in the background, for a window.
+//!
+//! A job climbs a ladder of resolutions (1/8, 1/4, 1/2, 1), each rung a whole
+//! iteration of a smaller film, so that something is on screen at once; at
+//! full resolution iterations add up. After each iteration the film is
+//! published: whoever draws reads it under a lock that the loop holds only while
+//! it takes in a frame, never while it traces.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::{CancelToken, RenderSettings, Renderer, WorkerPool};
+use crate::film::Film;
+use crate::radiometry::Rgb;
+use crate::scene::Scene;
+
+/// What to render.
+#[derive(Clone)]
+pub struct Job {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// The settings, at full resolution.
+    pub settings: RenderSettings,
+    /// When it is done.
+    pub stop: StopRule,
+}
+
+/// When rendering is done by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum StopRule {
+    /// Never.
+    #[default]
+    Never,
+    /// After so many iterations at full resolution.
+    Iterations(u32),
+    /// After so much time of rendering, seconds.
+    Seconds(f64),
+}
+
+/// How rendering is going.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stats {
+    /// Iterations in the film.
+    pub n_iterations: u32,
+    /// Time spent rendering since the job began, seconds; pauses do not count.
+    pub seconds: f64,
+    /// Camera samples per second over the latest iteration.
+    pub samples_per_second: f64,
+    /// Rays per second over the latest iteration.
+    pub rays_per_second: f64,
+    /// [`Film::estimated_error`], renewed a few times a second.
+    pub estimated_error: f64,
+    /// Contributions refused because they were not finite or negative.
+    pub n_refused: u64,
+    /// True once the stop rule has been met.
+    pub is_done: bool,
+}
+
+/// The latest state of the picture.
+pub struct Published {
+    /// The number [`RenderLoop::start`] gave to the job that made it; 0 before the first frame.
+    pub generation: u64,
+    /// Grows with every change of this structure.
+    pub version: u64,
+    /// The film; smaller than asked for by `divisor` while the ladder is climbed.
+    pub film: Film,
+    /// 8, 4, 2 on the ladder, 1 at full resolution.
+    pub divisor: usize,
+    /// How rendering is going.
+    pub stats: Stats,
+    /// Small images of the layers, tail last; sums of them are thumbnails of partial sums.
+    pub thumbnails: Vec<Thumbnail>,
+    /// [`Film::energy_shares`], renewed with the thumbnails.
+    pub energy_shares: Vec<f64>,
+    /// Grows when the thumbnails change.
+    pub thumbnails_version: u64,
+}
+
+/// A small linear image.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Thumbnail {
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// `pixels[y * width + x]`, row 0 on top.
+    pub pixels: Vec<Rgb>,
+}
+
+/// The background renderer; dropping it stops it.
+pub struct RenderLoop {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+struct Shared {
+    control: Mutex<Control>,
+    wake: Condvar,
+    published: RwLock<Published>,
+    version: AtomicU64,
+    on_publish: Box<dyn Fn() + Send + Sync>,
+}
+
+struct Control {
+    job: Option<Job>,
+    generation: u64,
+    is_paused: bool,
+    has_quit: bool,
+    cancel: CancelToken,
+}
+
+/// A frame on the ladder should be there within this time.
+const COARSE_SECONDS: f64 = 0.020;
+/// Thumbnails, shares and error are renewed this often.
+const SUMMARY_PERIOD: Duration = Duration::from_millis(250);
+/// The longer edge of a thumbnail, pixels.
+const THUMBNAIL_EDGE: usize = 128;
+
+impl RenderLoop {
+    /// Starts the thread; `on_publish` is called, on that thread, after every change of the picture.
+    ///
+    /// # Errors
+    /// If the operating system gives no thread.
+    pub fn new(
+        pool: WorkerPool,
+        on_publish: impl Fn() + Send + Sync + 'static,
+    ) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared {
+            control: Mutex::new(Control {
+                job: None,
+                generation: 0,
+                is_paused: false,
+                has_quit: false,
+                cancel: CancelToken::default(),
+            }),
+            wake: Condvar::new(),
+            published: RwLock::new(Published {
+                generation: 0,
+                version: 0,
+                film: Film::new(1, 1, 1),
+                divisor: 1,
+                stats: Stats::default(),
+                thumbnails: Vec::new(),
+                energy_shares: Vec::new(),
+                thumbnails_version: 0,
+            }),
+            version: AtomicU64::new(0),
+            on_publish: Box::new(on_publish),
+        });
+        let for_thread = Arc::clone(&shared);
+        let thread = std::thread::Builder::new()
+            .name("neumann-render".to_owned())
+            .spawn(move || run(&for_thread, &pool))?;
+        Ok(Self {
+            shared,
+            thread: Some(thread),
+        })
+    }
+
+    /// Drops what is being rendered and starts a job; yields its generation.
+    /// The old picture stays published until the first frame of the new one is ready.
+    pub fn start(&self, job: Job) -> u64 {
+        let mut control = self.shared.control();
+        control.job = Some(job);
+        control.generation += 1;
+        control.cancel.cancel();
+        control.cancel = CancelToken::default();
+        self.shared.wake.notify_all();
+        control.generation
+    }
+
+    /// Pauses, dropping the iteration under way, or goes on.
+    pub fn pause(&self, is_paused: bool) {
+        let mut control = self.shared.control();
+        if control.is_paused != is_paused {
+            control.is_paused = is_paused;
+            control.cancel.cancel();
+            control.cancel = CancelToken::default();
+            self.shared.wake.notify_all();
+        }
+    }
+
+    /// True while paused.
+    #[must_use]
+    pub fn is_paused(&self) -> bool {
+        self.shared.control().is_paused
+    }
+
+    /// Changes when the present job is done, without restarting it.
+    pub fn stop_after(&self, stop: StopRule) {
+        let mut control = self.shared.control();
+        if let Some(job) = &mut control.job {
+            job.stop = stop;
+        }
+        self.shared.wake.notify_all();
+    }
+
+    /// [`Published::version`], without a lock.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.shared.version.load(Ordering::Acquire)
+    }
+
+    /// The latest state of the picture; hold the guard briefly.
+    pub fn published(&self) -> RwLockReadGuard<'_, Published> {
+        self.shared
+            .published
+            .read()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for RenderLoop {
+    fn drop(&mut self) {
+        {
+            let mut control = self.shared.control();
+            control.has_quit = true;
+            control.cancel.cancel();
+            self.shared.wake.notify_all();
+        }
+        if let Some(thread) = self.thread.take() {
+            // A panic of the thread has been reported by the panic hook already.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Shared {
+    fn control(&self) -> MutexGuard<'_, Control> {
+        self.control.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn publish(&self, change: impl FnOnce(&mut Published)) {
+        {
+            let mut published = self
+                .published
+                .write()
+                .unwrap_or_else(PoisonError::into_inner);
+            change(&mut published);
+            published.version += 1;
+            self.version.store(published.version, Ordering::Release);
+        }
+        (self.on_publish)();
+    }
+
+    /// Waits for something to do: yields the job, its generation and the token to heed.
+    fn next_task(&self, generation: u64, is_done: impl Fn(StopRule) -> bool) -> Option<Task> {
+        let mut control = self.control();
+        loop {
+            if control.has_quit {
+                return None;
+            }
+            if let Some(job) = &control.job {
+                let is_new = control.generation != generation;
+                if (is_new || !is_done(job.stop)) && !control.is_paused {
+                    return Some(Task {
+                        job: job.clone(),
+                        generation: control.generation,
+                        cancel: control.cancel.clone(),
+                    });
+                }
+            }
+            control = self
+                .wake
+                .wait(control)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+struct Task {
+    job: Job,
+    generation: u64,
+    cancel: CancelToken,
+}
+
+/// One job on its way up the ladder and on.
+struct Climb {
+    generation: u64,
+    rungs: Vec<usize>,
+    renderer: Option<Renderer>,
+    divisor: usize,
+    n_iterations: u32,
+    seconds: f64,
+}
+
+fn run(shared: &Shared, pool: &WorkerPool) {
+    let mut climb = Climb {
+        generation: 0,
+        rungs: Vec::new(),
+        renderer: None,
+        divisor: 1,
+        n_iterations: 0,
+        seconds: 0.0,
+    };
+    let mut seconds_per_sample = None;
+    let mut summarised: Option<Instant> = None;
+    loop {
+        let is_done = |stop| climb.is_done(stop);
+        let Some(task) = shared.next_task(climb.generation, is_done) else {
+            return;
+        };
+        if task.generation != climb.generation {
+            climb = Climb::new(&task, seconds_per_sample);
+            summarised = None;
+        }
+        let start = Instant::now();
+        let (generation, divisor) = (climb.generation, climb.divisor);
+        let is_first = climb.n_iterations == 0;
+        let renderer = climb.renderer(&task.job, pool);
+        let n_samples = renderer.settings().width * renderer.settings().height;
+        let Ok(frame) = renderer.iterate(&task.cancel) else {
+            climb.seconds += start.elapsed().as_secs_f64();
+            continue;
+        };
+        let seconds = start.elapsed().as_secs_f64();
+        seconds_per_sample = Some(seconds / n_samples as f64);
+        let n_rays = frame.n_rays();
+        let fresh = is_first.then(|| {
+            let n_layers = frame.layers().len() - 1;
+            Film::new(frame.width(), frame.height(), n_layers)
+        });
+        pool.run(|| {
+            shared.publish(|published| {
+                if let Some(film) = fresh {
+                    published.film = film;
+                }
+                published.film.add(frame);
+                published.generation = generation;
+                published.divisor = divisor;
+            });
+        });
+        climb.n_iterations += 1;
+        climb.seconds += start.elapsed().as_secs_f64();
+        let is_done = divisor == 1 && climb.is_done(task.job.stop);
+        let is_due = summarised.is_none_or(|t| t.elapsed() >= SUMMARY_PERIOD) || is_done;
+        let summary = is_due.then(|| {
+            let published = shared
+                .published
+                .read()
+                .unwrap_or_else(PoisonError::into_inner);
+            pool.run(|| Summary::of(&published.film))
+        });
+        if summary.is_some() {
+            // Rungs of the ladder do not delay the next summary.
+            summarised = (divisor == 1).then(Instant::now);
+        }
+        let stats = Stats {
+            n_iterations: climb.n_iterations,
+            seconds: climb.seconds,
+            samples_per_second: n_samples as f64 / seconds,
+            rays_per_second: n_rays as f64 / seconds,
+            estimated_error: f64::INFINITY,
+            n_refused: 0,
+            is_done,
+        };
+        shared.publish(|published| published.take(stats, summary));
+        if divisor != 1 {
+            climb.next_rung();
+        }
+    }
+}
+
+impl Climb {
+    /// Begins a job on the coarsest rung that is needed for a first frame in time.
+    fn new(task: &Task, seconds_per_sample: Option<f64>) -> Self {
+        let settings = &task.job.settings;
+        let n_samples = (settings.width * settings.height) as f64;
+        let seconds = n_samples * seconds_per_sample.unwrap_or(1e-6);
+        let is_in_time = |divisor: &usize| seconds / ((divisor * divisor) as f64) <= COARSE_SECONDS;
+        let first = [1, 2, 4, 8].into_iter().find(is_in_time).unwrap_or(8);
+        let rungs = [1, 2, 4, 8]
+            .into_iter()
+            .filter(|d| *d <= first)
+            .collect::<Vec<_>>();
+        Self {
+            generation: task.generation,
+            divisor: first,
+            rungs: rungs[..rungs.len() - 1].to_vec(),
+            renderer: None,
+            n_iterations: 0,
+            seconds: 0.0,
+        }
+    }
+
+    fn renderer(&mut self, job: &Job, pool: &WorkerPool) -> &mut Renderer {
+        let divisor = self.divisor;
+        self.renderer.get_or_insert_with(|| {
+            let mut settings = job.settings.clone();
+            settings.width = settings.width.div_ceil(divisor).max(1);
+            settings.height = settings.height.div_ceil(divisor).max(1);
+            Renderer::new(Arc::clone(&job.scene), settings, pool.clone(), 0)
+        })
+    }
+
+    fn next_rung(&mut self) {
+        self.divisor = self.rungs.pop().unwrap_or(1);
+        self.renderer = None;
+        self.n_iterations = 0;
+    }
+
+    fn is_done(&self, stop: StopRule) -> bool {
+        if self.divisor != 1 {
+            return false;
+        }
+        match stop {
+            StopRule::Never => false,
+            StopRule::Iterations(n) => self.n_iterations >= n,
+            StopRule::Seconds(s) => self.seconds >= s,
+        }
+    }
+}
+
+/// What is drawn from the whole film, a few times a second.
+struct Summary {
+    thumbnails: Vec<Thumbnail>,
+    energy_shares: Vec<f64>,
+    estimated_error: f64,
+}
+
+impl Summary {
+    fn of(film: &Film) -> Self {
+        Self {
+            thumbnails: film
+                .layers()
+                .iter()
+                .map(|layer| Thumbnail::of(layer, film.width(), film.height()))
+                .collect(),
+            energy_shares: film.energy_shares(),
+            estimated_error: film.estimated_error(),
+        }
+    }
+}
+
+impl Published {
+    fn take(&mut self, stats: Stats, summary: Option<Summary>) {
+        let estimated_error = self.stats.estimated_error;
+        self.stats = Stats {
+            estimated_error,
+            n_refused: self.film.n_refused(),
+            ..stats
+        };
+        if let Some(summary) = summary {
+            self.stats.estimated_error = summary.estimated_error;
+            self.thumbnails = summary.thumbnails;
+            self.energy_shares = summary.energy_shares;
+            self.thumbnails_version += 1;
+        }
+    }
+}
+
+impl Thumbnail {
+    /// Averages boxes of pixels down to at most [`THUMBNAIL_EDGE`] on the longer edge.
+    fn of(layer: &[Rgb], width: usize, height: usize) -> Self {
+        let longer = width.max(height).max(1);
+        let edge = longer.min(THUMBNAIL_EDGE);
+        let scaled = |n: usize| (n * edge / longer).max(1);
+        let (w, h) = (scaled(width), scaled(height));
+        let mut pixels = Vec::with_capacity(w * h);
+        for y in 0..h {
+            let rows = y * height / h..((y + 1) * height / h).max(y * height / h + 1);
+            for x in 0..w {
+                let columns = x * width / w..((x + 1) * width / w).max(x * width / w + 1);
+                let n = (rows.len() * columns.len()) as f32;
+                let mut sum = Rgb::BLACK;
+                for row in rows.clone() {
+                    for value in &layer[row * width + columns.start..row * width + columns.end] {
+                        sum += *value;
+                    }
+                }
+                pixels.push(sum / n);
+            }
+        }
+        Self {
+            width: w,
+            height: h,
+            pixels,
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! One iteration after the other, for whoever waits for them.
+
+use std::sync::Arc;
+
+use super::{CancelToken, Cancelled, Pass, RenderSettings, WorkerPool};
+use crate::endpoint::Camera;
+use crate::film::Frame;
+use crate::integrator::Integrator;
+use crate::scene::Scene;
+
+/// Runs the iterations of one set of settings.
+///
+/// What it yields is a pure function of scene, settings and number of the
+/// iteration: the number of threads does not enter.
+pub struct Renderer {
+    scene: Arc<Scene>,
+    settings: RenderSettings,
+    camera: Camera,
+    pool: WorkerPool,
+    integrator: Box<dyn Integrator>,
+    next_iteration: u32,
+    frame: Frame,
+}
+
+impl Renderer {
+    /// Gets ready to run iterations from number `first_iteration` on.
+    #[must_use]
+    pub fn new(
+        scene: Arc<Scene>,
+        settings: RenderSettings,
+        pool: WorkerPool,
+        first_iteration: u32,
+    ) -> Self {
+        Self {
+            camera: Camera::new(&settings.camera, settings.width, settings.height),
+            integrator: (settings.method.build)(&settings.values),
+            frame: Frame::new(settings.width, settings.height, settings.n_layers),
+            next_iteration: first_iteration,
+            scene,
+            settings,
+            pool,
+        }
+    }
+
+    /// The settings it runs.
+    #[must_use]
+    pub fn settings(&self) -> &RenderSettings {
+        &self.settings
+    }
+
+    /// Runs the next iteration and yields it.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the token was; the same iteration is run again next time.
+    pub fn iterate(&mut self, cancel: &CancelToken) -> Result<&Frame, Cancelled> {
+        self.frame.clear();
+        let mut pass = Pass::new(
+            &mut self.frame,
+            &self.camera,
+            &self.settings,
+            self.next_iteration,
+            cancel,
+        );
+        let (integrator, scene) = (&mut self.integrator, &*self.scene);
+        self.pool.run(|| integrator.iterate(scene, &mut pass))?;
+        self.next_iteration += 1;
+        Ok(&self.frame)
+    }
+}

@@ -1,0 +1,5 @@
+//! Random numbers, and how to draw from densities.
+
+mod rng;
+
+pub use rng::Sampler;

@@ -23,12 +23,12 @@ pub(crate) fn bleed() -> Scene {
     );
 
     let white = scene.material(Material::lambert("white", [0.86, 0.85, 0.83]));
-    let room = Mesh::cuboid(dvec3(-3.6, 0.0, -2.6), dvec3(3.6, 3.2, 4.6)).inside_out();
+    let room = Mesh::cuboid(dvec3(-3.8, 0.0, -2.8), dvec3(3.8, 4.0, 5.2)).inside_out();
     scene.add("room", room, white);
 
-    let light = scene.material(Material::emitter("ceiling light", [9.5, 9.0, 8.2]));
+    let light = scene.material(Material::emitter("ceiling light", [13.0, 12.4, 11.4]));
     let square = scene.geometry("square", Mesh::square_facing_down());
-    let placement = Placement::at(dvec3(0.0, 3.19, 1.0)).scaled(dvec3(3.2, 1.0, 0.7));
+    let placement = Placement::at(dvec3(0.0, 3.99, -1.0)).scaled(dvec3(3.6, 1.0, 0.5));
     scene.place("ceiling light", &[(square, light)], placement);
 
     let screen = scene.geometry("screen", screen());
@@ -65,9 +65,9 @@ pub(crate) fn bleed() -> Scene {
 
     scene.camera(Camera {
         name: "Front",
-        eye: dvec3(0.0, 1.75, 4.5),
-        target: dvec3(0.0, 1.02, -1.0),
-        field_of_view: 37.0,
+        eye: dvec3(0.0, 3.1, 4.9),
+        target: dvec3(0.0, 0.80, -0.8),
+        field_of_view: 35.0,
         aspect_ratio: 16.0 / 9.0,
         aperture: 0.0,
     });
@@ -76,7 +76,7 @@ pub(crate) fn bleed() -> Scene {
 
 /// A bent board, open towards +Z.
 fn screen() -> Mesh {
-    let (start, end) = (-0.06 * PI, 1.06 * PI);
+    let (start, end) = (-0.2 * PI, 1.2 * PI);
     let (inner, outer, top) = (
         SCREEN_RADIUS - SCREEN_THICKNESS,
         SCREEN_RADIUS,

@@ -32,27 +32,27 @@ pub(crate) fn caustic() -> Scene {
 
     let glass = scene.material(Material::glass("glass", 1.5));
     let ball = scene.geometry("ball", Mesh::sphere(64));
-    let placement = Placement::at(dvec3(-0.52, 0.502, -0.3)).scaled(DVec3::splat(0.5));
+    let placement = Placement::at(dvec3(-0.62, 0.502, -0.45)).scaled(DVec3::splat(0.5));
     scene.place("glass ball", &[(ball, glass)], placement);
     let ring = Mesh::torus(0.36, 0.1, 40, Sweep::full(112));
     let ring = scene.geometry("ring", ring);
     scene.place(
         "glass ring",
         &[(ring, glass)],
-        Placement::at(dvec3(0.62, 0.102, 0.2)),
+        Placement::at(dvec3(0.62, 0.102, -0.05)),
     );
 
-    let light = scene.material(Material::emitter("lamp", [950.0, 900.0, 820.0]));
+    let light = scene.material(Material::emitter("lamp", [1200.0, 1130.0, 1030.0]));
     let square = scene.geometry("square", Mesh::square_facing_down());
-    let at = dvec3(-1.5, 3.0, -2.6);
-    let aim = DQuat::from_rotation_arc(DVec3::NEG_Y, (dvec3(0.1, 0.0, 0.2) - at).normalize());
+    let at = dvec3(-2.1, 2.1, -2.9);
+    let aim = DQuat::from_rotation_arc(DVec3::NEG_Y, (dvec3(0.1, 0.0, 0.1) - at).normalize());
     let placement = Placement::at(at).turned(aim).scaled(dvec3(0.22, 1.0, 0.22));
     scene.place("lamp", &[(square, light)], placement);
 
     scene.camera(Camera {
         name: "Front",
-        eye: dvec3(0.35, 1.9, 3.7),
-        target: dvec3(0.1, 0.22, 0.1),
+        eye: dvec3(0.3, 1.75, 3.8),
+        target: dvec3(0.1, 0.2, 0.15),
         field_of_view: 32.0,
         aspect_ratio: 4.0 / 3.0,
         aperture: 0.0,

@@ -14,7 +14,7 @@ use crate::scene::{Camera, Placement, Scene, Surface};
 const WHITE: [f64; 3] = [0.725, 0.71, 0.68];
 const GREEN: [f64; 3] = [0.14, 0.45, 0.091];
 const RED: [f64; 3] = [0.63, 0.065, 0.05];
-const LIGHT: [f64; 3] = [17.5, 13.4, 7.6];
+const LIGHT: [f64; 3] = [36.0, 29.0, 19.5];
 
 /// The box with its two blocks.
 pub(crate) fn cornell() -> Scene {
@@ -43,7 +43,7 @@ pub(crate) fn cornell_glass() -> Scene {
     let ball = scene.geometry("ball", Mesh::sphere(64));
     let mirror = scene.material(Material::metal("mirror", [1.0; 3], 0.0));
     let glass = scene.material(Material::glass("glass", 1.5));
-    let placed = |x, z| Placement::at(dvec3(x, 1.001, z)).scaled(DVec3::ONE);
+    let placed = |x, z| Placement::at(dvec3(x, 1.001, z));
     scene.place("mirror ball", &[(ball, mirror)], placed(-1.15, -3.75));
     scene.place("glass ball", &[(ball, glass)], placed(1.1, -1.85));
     scene
@@ -88,7 +88,7 @@ fn room(scene: &mut Scene) -> Surface {
     ] {
         scene.add(name, Mesh::quad(corners.map(measured)), surface);
     }
-    // A little closer in angle than the original, which shows the box's rim.
+    // A little closer in angle than the original, which shows the rim of the box.
     scene.camera(Camera {
         name: "Front",
         eye: dvec3(0.0, 2.744, 8.0),

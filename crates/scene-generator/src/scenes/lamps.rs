@@ -209,7 +209,7 @@ fn lighting(scene: &mut Scene) {
         &[(foot, brass), (cup, shade)],
         Placement::at(corner),
     );
-    let warm = bulb_part(scene, "torchiere bulb", [3400.0, 2500.0, 1500.0]);
+    let warm = bulb_part(scene, "torchiere bulb", [5600.0, 4800.0, 3900.0]);
     place_bulb(scene, "torchiere bulb", warm, corner + 1.67 * DVec3::Y);
 
     // The sconces are open above and below and wash the wall.
@@ -226,7 +226,7 @@ fn lighting(scene: &mut Scene) {
     let bracket = Mesh::cuboid(dvec3(-0.015, -0.03, -0.10), dvec3(0.015, 0.03, -0.06));
     let tube = scene.geometry("tube", tube);
     let bracket = scene.geometry("bracket", bracket);
-    let amber = bulb_part(scene, "sconce bulb", [2300.0, 1500.0, 760.0]);
+    let amber = bulb_part(scene, "sconce bulb", [5600.0, 4500.0, 3250.0]);
     for (side, x) in [("left", -1.3), ("right", 1.2)] {
         let at = dvec3(x, 1.62, -2.3);
         scene.place(
@@ -254,6 +254,6 @@ fn lighting(scene: &mut Scene) {
         &[(base, brass), (cone, shade)],
         Placement::at(stand),
     );
-    let soft = bulb_part(scene, "table lamp bulb", [1500.0, 1000.0, 520.0]);
+    let soft = bulb_part(scene, "table lamp bulb", [3400.0, 2750.0, 2000.0]);
     place_bulb(scene, "table lamp bulb", soft, stand + 0.90 * DVec3::Y);
 }

@@ -13,9 +13,9 @@ use crate::scene::{Camera, Placement, Scene, Surface};
 const N_LANTERNS: u32 = 260;
 const N_PANES_PER_SIDE: u32 = 24;
 /// Radii of the three sizes of lantern, metres.
-const SIZES: [f64; 3] = [0.05, 0.085, 0.14];
+const SIZES: [f64; 3] = [0.07, 0.125, 0.20];
 /// Radiance of the three sizes, times the hue.
-const BRIGHTNESS: [f64; 3] = [3.2, 5.0, 9.0];
+const BRIGHTNESS: [f64; 3] = [2.0, 2.8, 4.2];
 /// From the front of the hall to its end.
 const HUES: [(&str, Rgb); 6] = [
     ("amber", [1.0, 0.50, 0.13]),
@@ -46,7 +46,7 @@ pub(crate) fn many() -> Scene {
 }
 
 fn hall(scene: &mut Scene) {
-    let plaster = scene.material(Material::lambert("plaster", [0.66, 0.63, 0.59]));
+    let plaster = scene.material(Material::lambert("plaster", [0.72, 0.70, 0.67]));
     let hall = Mesh::cuboid(dvec3(-4.8, 0.0, -17.0), dvec3(4.8, 5.6, 5.0)).inside_out();
     scene.add("hall", hall, plaster);
     let stone = scene.material(Material::lambert("stone", [0.55, 0.50, 0.44]));
@@ -87,7 +87,7 @@ fn lanterns(scene: &mut Scene) {
             [0, 1, 2].map(|size| {
                 let radiance = hue.map(|channel| channel * BRIGHTNESS[size]);
                 let name = format!("{name} paper {}", size + 1);
-                scene.material(Material::lambert(&name, [0.7; 3]).emitting(radiance))
+                scene.material(Material::lambert(&name, [0.4; 3]).emitting(radiance))
             })
         })
         .collect();
@@ -119,7 +119,7 @@ fn spot(i: u32) -> DVec3 {
     dvec3(
         -4.4 + 8.8 * coordinate(1),
         2.15 + 3.2 * coordinate(2),
-        -16.5 + 19.5 * coordinate(3),
+        -16.5 + 17.5 * coordinate(3),
     )
 }
 
@@ -134,8 +134,8 @@ fn is_free(at: DVec3) -> bool {
 /// Two rows of panes in the floor, along the pillars.
 fn floor_panes(scene: &mut Scene) {
     let square = scene.geometry("square", Mesh::square_facing_down().inside_out());
-    let cool = scene.material(Material::emitter("cool pane", [1.6, 2.2, 3.0]));
-    let warm = scene.material(Material::emitter("warm pane", [3.4, 2.2, 1.1]));
+    let cool = scene.material(Material::emitter("cool pane", [2.4, 3.3, 4.5]));
+    let warm = scene.material(Material::emitter("warm pane", [5.0, 3.3, 1.7]));
     for i in 0..N_PANES_PER_SIDE {
         for (side, x) in [("left", -1.75), ("right", 1.75)] {
             let pane = if i % 3 == 1 { warm } else { cool };

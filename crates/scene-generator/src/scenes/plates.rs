@@ -15,7 +15,7 @@ const EYE: DVec3 = dvec3(0.0, 0.55, 3.9);
 /// In the middle of the row of lights.
 const LIGHTS: DVec3 = dvec3(0.0, 0.0, 0.0);
 /// Radiance times squared radius of each light of the row.
-const POWER: f64 = 0.085;
+const POWER: f64 = 0.05;
 
 /// Four plates, four lights and a lamp above.
 pub(crate) fn plates() -> Scene {
@@ -73,8 +73,8 @@ pub(crate) fn plates() -> Scene {
     let front = Camera {
         name: "Front",
         eye: EYE,
-        target: dvec3(0.0, -0.42, 0.2),
-        field_of_view: 21.5,
+        target: dvec3(0.0, -0.60, 0.2),
+        field_of_view: 26.0,
         aspect_ratio: 1.5,
         aperture: 0.0,
     };

@@ -37,9 +37,9 @@ pub(crate) fn pool() -> Scene {
     let placement = Placement::at(dvec3(0.62, 0.222 - DEPTH, -1.55)).scaled(DVec3::splat(0.22));
     scene.place("sunken ball", &[(ball, coral)], placement);
 
-    let lamp = scene.material(Material::emitter("lamp", [330.0, 315.0, 285.0]));
+    let lamp = scene.material(Material::emitter("lamp", [1100.0, 1055.0, 960.0]));
     let square = scene.geometry("square", Mesh::square_facing_down());
-    let placement = Placement::at(dvec3(0.9, 3.79, -2.2)).scaled(dvec3(0.3, 1.0, 0.3));
+    let placement = Placement::at(dvec3(0.9, 3.79, -2.2)).scaled(dvec3(0.2, 1.0, 0.2));
     scene.place("lamp", &[(square, lamp)], placement);
 
     let above = Camera {
@@ -109,7 +109,7 @@ fn tiles(scene: &mut Scene) {
     let (columns, rows) = (2.0 * HALF.x / TILE, 2.0 * HALF.y / TILE);
     let lift = 0.002;
 
-    // The floor: a checkerboard inside a blue border, with a blue cross of lanes.
+    // The floor: a checkerboard, and a blue line one tile from its edge.
     for (i, j) in cells(columns, rows) {
         let from_edge = i.min(columns - 1.0 - i).min(j).min(rows - 1.0 - j);
         let colour = if from_edge == 1.0 {
@@ -164,8 +164,8 @@ fn ripples(x: f64, z: f64) -> (f64, DVec3) {
     let (mut height, mut slope) = (0.0, DVec2::ZERO);
     for i in 0..10_u32 {
         let direction = DVec2::from_angle(2.4 * f64::from(i) + 0.3);
-        let wave_number = 5.5 * 1.16_f64.powi(i32::try_from(i).unwrap_or(0));
-        let amplitude = 0.016 * (5.5 / wave_number).powf(1.6);
+        let wave_number = 7.5 * 1.14_f64.powi(i32::try_from(i).unwrap_or(0));
+        let amplitude = 0.0115 * (7.5 / wave_number).powf(1.4);
         let phase = wave_number * direction.dot(dvec2(x, z)) + 1.7 * f64::from(i * i);
         height += amplitude * phase.sin();
         slope += amplitude * wave_number * phase.cos() * direction;

@@ -20,7 +20,7 @@ pub(crate) fn sky() -> Scene {
 
     let ball = scene.geometry("ball", Mesh::sphere(64));
     let clay = scene.material(Material::lambert("clay", [0.62, 0.30, 0.19]));
-    let copper = scene.material(Material::metal("brushed copper", [0.95, 0.64, 0.54], 0.35));
+    let copper = scene.material(Material::metal("brushed copper", [0.95, 0.57, 0.40], 0.35));
     let plastic = scene.material(Material::plastic("teal plastic", [0.02, 0.26, 0.27], 0.15));
     let glass = scene.material(Material::glass("glass", 1.5));
     let chrome = scene.material(Material::metal("chrome", [1.0; 3], 0.0));

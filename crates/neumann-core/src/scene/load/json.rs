@@ -271,11 +271,6 @@ impl<'a> Item<'a> {
             .filter(|name| !name.trim().is_empty())
     }
 
-    /// Names of the fields, in no order that means anything.
-    pub(super) fn keys(&self) -> impl Iterator<Item = &'a str> {
-        self.fields.keys().map(String::as_str)
-    }
-
     fn value(&self, key: &str) -> Option<&'a Value> {
         self.fields.get(key).filter(|value| !value.is_null())
     }

@@ -8,7 +8,7 @@
 //!
 //! Knows no window and no terminal.
 
-//pub mod compare;
+pub mod compare;
 mod error;
 pub mod exr_file;
 pub mod false_colour;

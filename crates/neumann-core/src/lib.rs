@@ -28,14 +28,14 @@
 //! # Symbols
 //! | here | in formulas | meaning, unit |
 //! |---|---|---|
-//! | `radiance`, `emitted` | L, L_e | W m⁻² sr⁻¹ per channel |
-//! | importance | W_e | response of the camera |
-//! | `f` | f_s | BSDF value, 1/sr, without cosine |
-//! | `wo`, `wi` | ω_o, ω_i | to the previous, to the next vertex |
-//! | `pdf_w`, `pdf_a` | p_σ, p_A | 1/sr, 1/m² |
+//! | `radiance`, `emitted` | `L`, `L_e` | W m⁻² sr⁻¹ per channel |
+//! | importance | `W_e` | response of the camera |
+//! | `f` | `f_s` | BSDF value, 1/sr, without cosine |
+//! | `wo`, `wi` | `ω_o`, `ω_i` | to the previous, to the next vertex |
+//! | `pdf_w`, `pdf_a` | `p_σ`, `p_A` | 1/sr, 1/m² |
 //! | `pmf` | P | probability of a discrete choice |
 //! | `throughput` | β | product of f cos / pdf so far |
-//! | `ng`, `ns` | n_g, n_s | geometric and shading normal |
+//! | `ng`, `ns` | `n_g`, `n_s` | geometric and shading normal |
 //! | `bounce` | k | power of T |
 //! | `s`, `t` | s, t | vertices of light and camera subpath |
 //!

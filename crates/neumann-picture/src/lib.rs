@@ -15,7 +15,7 @@ pub mod false_colour;
 pub mod files;
 pub mod image_file;
 pub mod png_file;
-//pub mod sheet;
+pub mod sheet;
 pub mod tone;
 
 pub use error::PictureError;

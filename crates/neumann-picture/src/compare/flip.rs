@@ -5,7 +5,7 @@
 //! displayed (LDR) pictures; constants as in the authors' reference code (BSD-3):
 //!
 //! 1. both pictures, as shown, are blurred by the eye's contrast sensitivity in an
-//!    opponent space (Y Cx Cz), and compared in Hunt-adjusted L*a*b* by the HyAB
+//!    opponent space (Y Cx Cz), and compared in Hunt-adjusted L*a*b* by the `HyAB`
 //!    distance, mapped to [0, 1];
 //! 2. edges and points are found in the unblurred lightness, and their differences
 //!    raise the colour error: `ΔE = ΔE_c^(1 − ΔE_f)`.
@@ -238,11 +238,11 @@ fn hunt([l, a, b]: [f32; 3]) -> [f32; 3] {
 const WHITE: [f32; 3] = [0.950_428_54, 1.0, 1.088_900_3];
 const XYZ_FROM_LINEAR: [[f32; 3]; 3] = [
     [0.412_390_8, 0.357_584_33, 0.180_480_78],
-    [0.212_639_01, 0.715_168_7, 0.072_192_32],
+    [0.212_639, 0.715_168_7, 0.072_192_32],
     [0.019_330_818, 0.119_194_78, 0.950_532_15],
 ];
 const LINEAR_FROM_XYZ: [[f32; 3]; 3] = [
-    [3.240_969_9, -1.537_383_2, -0.498_610_76],
+    [3.240_97, -1.537_383_2, -0.498_610_76],
     [-0.969_243_65, 1.875_967_5, 0.041_555_06],
     [0.055_630_08, -0.203_976_96, 1.056_971_5],
 ];

@@ -47,6 +47,7 @@ fn metadata() -> Metadata {
         max_bounces: 16,
         camera: "perspective 0.7; pinhole; 1 0 0".to_owned(),
         environment: "none".to_owned(),
+        appearance: "0123".to_owned(),
         n_refused: 3,
     }
 }

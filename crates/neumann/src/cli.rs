@@ -112,7 +112,7 @@ pub(crate) struct RenderArguments {
     /// A .gltf or .glb file, or the name of a built-in scene
     pub(crate) scene: String,
     /// File to write, .exr (all layers) or .png (L as shown); may be given several times
-    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
     pub(crate) outputs: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) settings: SettingsOptions,
@@ -144,7 +144,7 @@ pub(crate) struct SeriesArguments {
     /// A .gltf or .glb file, or the name of a built-in scene
     pub(crate) scene: String,
     /// Folder to write to; made if it is not there
-    #[arg(short, long = "output", value_name = "DIR")]
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub(crate) folder: PathBuf,
     #[command(flatten)]
     pub(crate) settings: SettingsOptions,
@@ -178,7 +178,7 @@ pub(crate) struct CompareArguments {
     #[arg(long, value_name = "LAYER")]
     pub(crate) layer: Option<String>,
     /// Picture of the difference: .png orange where brighter, blue where darker; .exr the signed difference
-    #[arg(short, long = "output", value_name = "FILE")]
+    #[arg(short = 'o', long = "output", value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) display: DisplayOptions,
@@ -237,7 +237,7 @@ pub(crate) struct MergeArguments {
     #[arg(required = true, num_args = 2.., value_name = "FILE.exr")]
     pub(crate) inputs: Vec<PathBuf>,
     /// File to write, .exr or .png; may be given several times
-    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
     pub(crate) outputs: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) display: DisplayOptions,

@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// The operating system refused.
-    #[error("{}: cannot {action}: {source}{}", path.display(), remedy(source))]
+    #[error("{}: cannot {action}: {cause}{}", path.display(), remedy(cause))]
     Io {
         /// The file.
         path: PathBuf,
         /// What was tried, as in "cannot …".
         action: &'static str,
         /// What the system said.
-        source: io::Error,
+        cause: io::Error,
     },
     /// The destination is no place for a file.
     #[error("{}: {what}", path.display())]
@@ -38,11 +38,11 @@ pub enum PictureError {
 }
 
 impl PictureError {
-    pub(crate) fn io(path: &Path, action: &'static str, source: io::Error) -> Self {
+    pub(crate) fn io(path: &Path, action: &'static str, cause: io::Error) -> Self {
         Self::Io {
             path: path.to_owned(),
             action,
-            source,
+            cause,
         }
     }
 

@@ -22,7 +22,7 @@ use neumann_tests::statistics::{Estimate, Family};
 /// Layers looked at, `T0` to `T4`.
 const N_LAYERS: usize = 5;
 const N_BATCHES: u32 = 32;
-const N_ITERATIONS: u32 = 4;
+const N_ITERATIONS: u32 = 8;
 
 /// (method, scene, first layer that is not compared): estimates whose variance is carried by paths
 /// too rare for any number of batches that a test can afford.
@@ -30,12 +30,11 @@ const HOPELESS: &[(&str, &str, usize)] = &[];
 
 /// True if a method says that it can see everything in a scene.
 fn can_see(method: &Method, scene: &Scene) -> bool {
-    let has_punctual = scene.lights().as_slice().iter().any(|l| {
-        matches!(
-            l,
-            Light::Point(_) | Light::Spot(_) | Light::Directional(_)
-        )
-    });
+    let has_punctual = scene
+        .lights()
+        .as_slice()
+        .iter()
+        .any(|l| matches!(l, Light::Point(_) | Light::Spot(_) | Light::Directional(_)));
     let has_delta = scene.materials().iter().any(|m| {
         let p = m.parameters();
         let is_smooth = p.roughness * p.roughness < neumann_core::bsdf::microfacet::SMOOTH_ALPHA;

@@ -1,0 +1,1 @@
+use egui_kittest as _;

@@ -1,0 +1,99 @@
+//! Which glTF extensions are honoured.
+
+use super::error::{Fault, quoted};
+use super::json::Document;
+
+/// Extensions that are read and mean what they say.
+const SUPPORTED: [&str; 12] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_node_visibility",
+    "KHR_texture_transform",
+];
+
+/// Not read, but a file that requires it can be shown without: its textures
+/// are dropped, each with a warning.
+const TOLERATED: &str = "KHR_texture_basisu";
+
+/// The extensions that a file uses, sorted by what becomes of them.
+#[derive(Debug, Default)]
+pub(super) struct Extensions {
+    pub(super) used: Vec<String>,
+    pub(super) ignored: Vec<String>,
+}
+
+/// Reads `extensionsUsed` and refuses what `extensionsRequired` asks in vain.
+pub(super) fn read(document: &Document) -> Result<Extensions, Fault> {
+    let root = document.root();
+    let mut extensions = Extensions::default();
+    for key in ["extensionsUsed", "extensionsRequired"] {
+        for (i, value) in root.list(key)?.iter().enumerate() {
+            let field = format!("{key}[{i}]");
+            let Some(name) = value.as_str() else {
+                return Err(Fault::broken(field, "is not a string"));
+            };
+            let is_supported = SUPPORTED.contains(&name);
+            if key == "extensionsRequired" && !is_supported && name != TOLERATED {
+                return Err(unsupported(&field, name));
+            }
+            let list = if is_supported {
+                &mut extensions.used
+            } else {
+                &mut extensions.ignored
+            };
+            list.push(name.to_owned());
+        }
+    }
+    for list in [&mut extensions.used, &mut extensions.ignored] {
+        list.sort();
+        list.dedup();
+    }
+    Ok(extensions)
+}
+
+fn unsupported(field: &str, name: &str) -> Fault {
+    let remedy = match name {
+        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+            "store the scene without mesh compression, for instance with gltf-transform"
+        }
+        _ => "export the scene without this extension",
+    };
+    Fault::new(
+        field,
+        format!("requires {}, which cannot be read", quoted(name)),
+        remedy,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::json::Document;
+    use super::read;
+
+    #[test]
+    fn unsupported_requirements_are_named() {
+        let parse = |text: &str| Document::parse(text.as_bytes()).unwrap();
+        let document = parse(
+            r#"{"extensionsUsed":["KHR_materials_ior","KHR_x"],
+                "extensionsRequired":["KHR_texture_transform"]}"#,
+        );
+        let extensions = read(&document).unwrap();
+        assert_eq!(
+            extensions.used,
+            ["KHR_materials_ior", "KHR_texture_transform"]
+        );
+        assert_eq!(extensions.ignored, ["KHR_x"]);
+        let document = parse(r#"{"extensionsRequired":["KHR_draco_mesh_compression"]}"#);
+        let fault = read(&document).unwrap_err();
+        assert!(fault.problem.contains("KHR_draco_mesh_compression"));
+        assert_eq!(fault.field, "extensionsRequired[0]");
+    }
+}

@@ -1,8 +1,11 @@
 //! Light transport, bounce by bounce.
 
+pub mod accel;
+pub mod bsdf;
 pub mod endpoint;
 pub mod film;
 pub mod integrator;
+pub mod material;
 pub mod math;
 pub mod radiometry;
 pub mod render;

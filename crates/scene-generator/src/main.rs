@@ -8,6 +8,7 @@ mod environment;
 mod glb;
 mod material;
 mod mesh;
+mod revolve;
 mod scene;
 mod scenes;
 

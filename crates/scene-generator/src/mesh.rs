@@ -5,8 +5,9 @@
 //! Triangles are counter-clockwise seen from the front; the front of a closed
 //! shape is its outside. A mesh without normals is shaded flat, as glTF asks.
 
-use glam::{DVec2, DVec3, dvec2, dvec3};
-use std::f64::consts::{PI, TAU};
+use glam::{DVec2, DVec3, dvec3};
+
+use crate::revolve::smooth_profile;
 
 /// An indexed triangle mesh.
 #[derive(Clone, Debug, Default)]
@@ -67,58 +68,6 @@ impl Mesh {
             normals: Vec::new(),
             indices,
         }
-    }
-
-    /// A unit sphere of `rings` x `2 rings` facets with smooth normals.
-    pub(crate) fn sphere(rings: u32) -> Self {
-        let profile: Vec<_> = (0..=rings)
-            .map(|i| {
-                let latitude = PI * (f64::from(i) / f64::from(rings) - 0.5);
-                let on_pole = i == 0 || i == rings;
-                let radius = if on_pole { 0.0 } else { latitude.cos() };
-                let point = dvec2(radius, latitude.sin());
-                ProfilePoint {
-                    point,
-                    normal: point,
-                }
-            })
-            .collect();
-        revolve(&profile, Sweep::full(2 * rings))
-    }
-
-    /// A torus around Y with `around` x `across` facets and smooth normals, or
-    /// the sector of it between two angles.
-    pub(crate) fn torus(major: f64, minor: f64, across: u32, sweep: Sweep) -> Self {
-        let profile: Vec<_> = (0..=across)
-            .map(|i| {
-                let (sin, cos) = (TAU * f64::from(i % across) / f64::from(across)).sin_cos();
-                ProfilePoint {
-                    point: dvec2(major + minor * cos, minor * sin),
-                    normal: dvec2(cos, sin),
-                }
-            })
-            .collect();
-        revolve(&profile, sweep)
-    }
-
-    /// Turns a profile of (radius, height) around Y: round along the turn, with
-    /// an edge at each point of the profile. The front is on the right of the
-    /// profile as it is walked: outside, when it goes upwards.
-    pub(crate) fn lathe(profile: &[(f64, f64)], sweep: Sweep) -> Self {
-        let mut mesh = Self::default();
-        for pair in profile.windows(2) {
-            let (from, to) = (dvec2(pair[0].0, pair[0].1), dvec2(pair[1].0, pair[1].1));
-            let along = (to - from).normalize();
-            let normal = dvec2(along.y, -along.x);
-            let piece = [from, to].map(|point| ProfilePoint { point, normal });
-            mesh.append(&revolve(&piece, sweep));
-        }
-        mesh
-    }
-
-    /// Turns a smooth profile of (radius, height) around Y; see [`Self::lathe`].
-    pub(crate) fn smooth_lathe(profile: &[(f64, f64)], sweep: Sweep) -> Self {
-        revolve(&smooth_profile(profile), sweep)
     }
 
     /// Draws a smooth profile of (z, y) out along X from `-half_width` to
@@ -208,7 +157,8 @@ impl Mesh {
         mesh
     }
 
-    fn append(&mut self, other: &Self) {
+    /// Adds the triangles of another mesh.
+    pub(crate) fn append(&mut self, other: &Self) {
         let mixed =
             !self.positions.is_empty() && self.normals.is_empty() != other.normals.is_empty();
         assert!(!mixed, "flat and smooth meshes do not mix");
@@ -218,105 +168,6 @@ impl Mesh {
         self.indices
             .extend(other.indices.iter().map(|i| i + offset));
     }
-}
-
-/// How far a profile is turned around Y, from +X towards -Z (counter-clockwise
-/// seen from above), and in how many steps.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sweep {
-    start: f64,
-    end: f64,
-    steps: u32,
-    is_closed: bool,
-}
-
-impl Sweep {
-    /// The whole turn.
-    pub(crate) fn full(steps: u32) -> Self {
-        Self {
-            start: 0.0,
-            end: TAU,
-            steps,
-            is_closed: true,
-        }
-    }
-
-    /// From one angle to a greater one, radians.
-    pub(crate) fn arc(start: f64, end: f64, steps: u32) -> Self {
-        Self {
-            start,
-            end,
-            steps,
-            is_closed: false,
-        }
-    }
-
-    fn n_columns(self) -> u32 {
-        self.steps + u32::from(!self.is_closed)
-    }
-
-    fn angle(self, column: u32) -> f64 {
-        self.start + (self.end - self.start) * f64::from(column) / f64::from(self.steps)
-    }
-}
-
-/// A point of a profile and the normal there, both as (radius, height).
-#[derive(Clone, Copy)]
-struct ProfilePoint {
-    point: DVec2,
-    normal: DVec2,
-}
-
-/// Normals from central differences, to the right of the profile.
-fn smooth_profile(profile: &[(f64, f64)]) -> Vec<ProfilePoint> {
-    let at = |i: usize| dvec2(profile[i].0, profile[i].1);
-    (0..profile.len())
-        .map(|i| {
-            let (before, after) = (i.saturating_sub(1), (i + 1).min(profile.len() - 1));
-            let along = (at(after) - at(before)).normalize();
-            ProfilePoint {
-                point: at(i),
-                normal: dvec2(along.y, -along.x),
-            }
-        })
-        .collect()
-}
-
-fn revolve(profile: &[ProfilePoint], sweep: Sweep) -> Mesh {
-    let mut mesh = Mesh::default();
-    let mut first_of_ring = Vec::new();
-    // A ring of no radius is one vertex: a pole.
-    let ring_size = |p: &ProfilePoint| {
-        if p.point.x == 0.0 {
-            1
-        } else {
-            sweep.n_columns()
-        }
-    };
-    for p in profile {
-        first_of_ring.push(u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX));
-        for column in 0..ring_size(p) {
-            let (sin, cos) = sweep.angle(column).sin_cos();
-            let turn = |v: DVec2| dvec3(v.x * cos, v.y, -v.x * sin);
-            mesh.positions.push(turn(p.point));
-            mesh.normals.push(turn(p.normal).normalize());
-        }
-    }
-    for (ring, pair) in profile.windows(2).enumerate() {
-        let (low_size, high_size) = (ring_size(&pair[0]), ring_size(&pair[1]));
-        let low = |column: u32| first_of_ring[ring] + column % low_size;
-        let high = |column: u32| first_of_ring[ring + 1] + column % high_size;
-        for column in 0..sweep.steps {
-            let next = column + 1;
-            if low_size > 1 {
-                mesh.indices.extend([low(column), low(next), high(next)]);
-            }
-            if high_size > 1 {
-                mesh.indices.extend([low(column), high(next), high(column)]);
-            }
-        }
-    }
-    mesh
 }
 
 fn icosahedron() -> Mesh {
@@ -375,7 +226,12 @@ fn subdivided(mesh: &Mesh) -> Mesh {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
+    use glam::dvec2;
+
     use super::*;
+    use crate::revolve::Sweep;
 
     /// Volume by the divergence theorem: positive when the outside is the front.
     fn volume(mesh: &Mesh) -> f64 {

@@ -1,11 +1,86 @@
-//! Both ends of a path.
-use crate::scene::description::CameraDescription;
-/// A camera with its film.
-pub struct Camera {}
-impl Camera {
-    /// A camera for a film of `width × height` pixels.
-    #[must_use]
-    pub fn new(_d: &CameraDescription, _width: usize, _height: usize) -> Self {
-        Self {}
-    }
+//! Both ends of a path under one contract: lights and cameras.
+//!
+//! An endpoint can start a ray ([`Start`]) and can be aimed at from a point
+//! ([`Aim`]); both carry the densities of both, so that a walk from either end
+//! can be weighed against one from the other. What it sends out is radiance for a
+//! light and importance for a camera; light tracing is path tracing read backwards.
+//!
+//! Densities contain the probability with which the endpoint was chosen. Where an
+//! endpoint has no extent in position or direction, the density there stands for a
+//! Dirac delta's coefficient and the flags say so.
+
+mod camera;
+pub mod light;
+
+pub use camera::{Camera, CameraRay};
+pub use light::{Light, Lights};
+
+use glam::Vec3;
+
+use crate::radiometry::Rgb;
+
+/// A point of a surface, with what is known of its rounding error.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// World space, metres.
+    pub position: Vec3,
+    /// Bound of the rounding error of the position, metres.
+    pub error: f32,
+    /// Geometric normal, unit, towards the front side.
+    pub ng: Vec3,
+}
+
+/// Densities with which an endpoint would have started a given ray.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StartDensities {
+    /// Of the position: 1/m² on the endpoint, or on a plane across the ray for one at infinity;
+    /// 1 times the probability of choice for a single position.
+    pub pdf_a: f32,
+    /// Of the direction: 1/sr; 1 for a single direction.
+    pub pdf_w: f32,
+}
+
+/// A ray started by an endpoint.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Where it starts, world space.
+    pub position: Vec3,
+    /// Bound of the rounding error of the position, metres.
+    pub error: f32,
+    /// Normal of the endpoint there (the direction itself where there is no surface).
+    pub ng: Vec3,
+    /// Direction of the ray, unit.
+    pub direction: Vec3,
+    /// Radiance or importance sent along it.
+    pub value: Rgb,
+    /// Cosine between direction and normal; 1 where there is no surface.
+    pub cos: f32,
+    /// Densities of position and direction.
+    pub densities: StartDensities,
+    /// True where all rays start at one position.
+    pub is_delta_position: bool,
+    /// True where all rays have one direction.
+    pub is_delta_direction: bool,
+}
+
+/// An endpoint aimed at from a point x.
+#[derive(Clone, Copy, Debug)]
+pub struct Aim {
+    /// Direction from x, unit.
+    pub wi: Vec3,
+    /// Distance from x, metres; infinite for an endpoint at infinity.
+    pub distance: f32,
+    /// Radiance or importance arriving at x; for a single direction (`is_delta`), the
+    /// irradiance (or its like) on a surface across it.
+    pub value: Rgb,
+    /// Density of `wi`, 1/sr; for a single direction, the probability of the endpoint.
+    pub pdf_w: f32,
+    /// True if no direction drawn at x could ever find the endpoint.
+    pub is_delta: bool,
+    /// Cosine at the endpoint; 1 where there is no surface.
+    pub cos_at_endpoint: f32,
+    /// The point aimed at, if it is on a surface.
+    pub surface: Option<SurfacePoint>,
+    /// Densities with which the endpoint would have started the ray to x.
+    pub start: StartDensities,
 }

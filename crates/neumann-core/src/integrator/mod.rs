@@ -3,7 +3,10 @@
 //! To add one: write a file here with its `METHOD` row, add a `mod` line and
 //! an entry to [`METHODS`]. Menus, command line and tests follow.
 
+mod distributed;
 mod parameter;
+pub mod path_tracing;
+mod shade;
 
 pub use parameter::{Parameter, ParameterError, ParameterKind, ParameterValues, Value};
 
@@ -31,12 +34,37 @@ pub struct Method {
     pub about: &'static str,
     /// What it cannot see, one sentence; empty if it sees everything.
     pub blind_spots: &'static str,
+    /// The same as facts that tests rely on.
+    pub sight: Sight,
     /// Why its expectation differs from L; `None` for an unbiased method.
     pub bias: Option<&'static str>,
     /// Its parameters.
     pub parameters: &'static [Parameter],
     /// Makes an integrator with the given parameter values.
     pub build: fn(&ParameterValues) -> Box<dyn Integrator>,
+}
+
+/// What a method can see.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sight {
+    /// Light from point, spot and directional lights.
+    pub punctual_lights: bool,
+    /// Light by way of mirrors and smooth glass.
+    pub delta_surfaces: bool,
+    /// On diffuse surfaces alone, the highest bounce that it computes; `None` for no limit.
+    pub diffuse_bounces: Option<u32>,
+    /// Shadows.
+    pub shadows: bool,
+}
+
+impl Sight {
+    /// Everything.
+    pub const FULL: Self = Self {
+        punctual_lights: true,
+        delta_surfaces: true,
+        diffuse_bounces: None,
+        shadows: true,
+    };
 }
 
 impl std::fmt::Debug for Method {
@@ -52,7 +80,14 @@ impl PartialEq for Method {
 }
 
 /// All methods, in lecture order.
-pub static METHODS: &[&Method] = &[];
+pub static METHODS: &[&Method] = &[
+    &path_tracing::naive::METHOD,
+    &path_tracing::bsdf::METHOD,
+    &path_tracing::nee::METHOD,
+    &path_tracing::mis::METHOD,
+    &distributed::METHOD,
+    &shade::METHOD,
+];
 
 /// The method where nothing else is asked for.
 pub const DEFAULT_METHOD: &str = "pt-mis";

@@ -1,5 +1,9 @@
 //! Random numbers, and how to draw from densities.
 
+pub mod discrete;
+pub mod mis;
 mod rng;
+pub mod roulette;
+pub mod warp;
 
 pub use rng::Sampler;

@@ -1,20 +1,262 @@
 //! A scene ready to trace.
 
-use super::description::{CameraDescription, SceneDescription};
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::appearance::Appearance;
+use super::description::{
+    CameraDescription, EnvironmentDescription, LoadReport, Projection, SceneDescription,
+};
+use super::geometry::Geometry;
+use super::{build, lighting};
+use crate::endpoint::Lights;
+use crate::endpoint::light::Light;
+use crate::material::{Material, TextureImage};
+use crate::radiometry::Rgb;
 
 /// A scene ready to trace: immutable while it renders.
-#[derive(Debug)]
-pub struct Scene {}
+#[derive(Clone, Debug)]
+pub struct Scene {
+    name: String,
+    about: Option<String>,
+    content_hash: u64,
+    geometry: Arc<Geometry>,
+    images: Arc<[TextureImage]>,
+    cameras: Arc<[CameraDescription]>,
+    report: Arc<LoadReport>,
+    warnings: Arc<[String]>,
+    appearance: Appearance,
+    materials: Vec<Material>,
+    lights: Lights,
+    has_alpha: bool,
+}
+
+/// What a scene consists of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Triangles that are rendered.
+    pub n_triangles: usize,
+    /// Placed meshes.
+    pub n_meshes: usize,
+    /// Materials of the file.
+    pub n_materials: usize,
+    /// Images of the file.
+    pub n_images: usize,
+    /// Emissive triangles.
+    pub n_area_lights: usize,
+    /// Point, spot and directional lights.
+    pub n_punctual_lights: usize,
+    /// Cameras of the file, or the one made up.
+    pub n_cameras: usize,
+}
 
 impl Scene {
     /// Builds the scene; whatever cannot be rendered is left out with a warning.
     #[must_use]
-    pub fn build(_description: &SceneDescription) -> Self {
-        Self {}
+    pub fn build(description: &SceneDescription) -> Self {
+        let mut warnings = description.report.warnings.clone();
+        let mut appearance = Appearance::new(description);
+        let default_material = appearance.materials.len() - 1;
+        let geometry = build::geometry(description, default_material, &mut warnings);
+        let images: Arc<[TextureImage]> =
+            description.images.iter().cloned().map(Arc::new).collect();
+        let mut cameras: Vec<CameraDescription> = description
+            .cameras
+            .iter()
+            .filter(|c| c.world_from_camera.is_finite())
+            .cloned()
+            .collect();
+        if cameras.is_empty() {
+            cameras.push(camera_for_bounds(geometry.min, geometry.max));
+        }
+        let is_dark = |a: &Appearance| {
+            a.environment.is_none()
+                && a.lights.is_empty()
+                && !geometry.meshes().iter().any(|mesh| {
+                    let material = &a.materials[mesh.material as usize];
+                    !material.emission.is_black() || material.is_unlit
+                })
+        };
+        if is_dark(&appearance) {
+            warnings.push(
+                "the scene has no light; a uniform white sky of radiance 1 is used".to_owned(),
+            );
+            appearance.environment = Some(Arc::new(EnvironmentDescription::uniform(Rgb::WHITE)));
+        }
+        let (materials, lights, has_alpha) = dress(&geometry, &images, &appearance);
+        Self {
+            name: description.name.clone(),
+            about: description.about.clone(),
+            content_hash: description.content_hash,
+            geometry: Arc::new(geometry),
+            images,
+            cameras: cameras.into(),
+            report: Arc::new(description.report.clone()),
+            warnings: warnings.into(),
+            appearance,
+            materials,
+            lights,
+            has_alpha,
+        }
     }
-    /// The cameras of the file, and never none: one that frames the bounds if the file has none.
+
+    /// The same geometry with other materials, lights or environment; the tree is not built anew.
+    ///
+    /// # Panics
+    /// If the number of materials, lights or levels is not that of [`Self::appearance`].
+    #[must_use]
+    pub fn with_appearance(&self, appearance: Appearance) -> Self {
+        assert_eq!(
+            (
+                appearance.materials.len(),
+                appearance.material_levels.len(),
+                appearance.light_levels.len()
+            ),
+            (
+                self.materials.len(),
+                self.materials.len(),
+                appearance.lights.len()
+            ),
+            "an appearance edits a scene's materials and lights, it does not add or drop any"
+        );
+        let (materials, lights, has_alpha) = dress(&self.geometry, &self.images, &appearance);
+        Self {
+            appearance,
+            materials,
+            lights,
+            has_alpha,
+            ..self.clone()
+        }
+    }
+
+    /// Name of the scene.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// One line on what it shows, if its file says so.
+    #[must_use]
+    pub fn about(&self) -> Option<&str> {
+        self.about.as_deref()
+    }
+
+    /// Hash over the bytes it was loaded from; edits do not change it.
+    #[must_use]
+    pub fn content_hash(&self) -> u64 {
+        self.content_hash
+    }
+
+    /// Its triangles.
+    #[inline]
+    #[must_use]
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// Materials ready for use; the last one is the default of meshes without one.
+    #[inline]
+    #[must_use]
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// Its lights.
+    #[inline]
+    #[must_use]
+    pub fn lights(&self) -> &Lights {
+        &self.lights
+    }
+
+    /// True if rays may pass through some surface as if it were not there.
+    #[inline]
+    #[must_use]
+    pub fn has_alpha(&self) -> bool {
+        self.has_alpha
+    }
+
+    /// The cameras of the file; if it has none, one that frames the bounds.
     #[must_use]
     pub fn cameras(&self) -> &[CameraDescription] {
-        &[]
+        &self.cameras
+    }
+
+    /// What can be edited.
+    #[must_use]
+    pub fn appearance(&self) -> &Appearance {
+        &self.appearance
+    }
+
+    /// Corners of the box that holds all triangles, world space.
+    #[must_use]
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        (self.geometry.min, self.geometry.max)
+    }
+
+    /// What its file had beside the scene itself.
+    #[must_use]
+    pub fn report(&self) -> &LoadReport {
+        &self.report
+    }
+
+    /// Sentences for the user, from loading and building.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// What it consists of.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        let n_area_lights = self
+            .lights
+            .as_slice()
+            .iter()
+            .filter(|l| matches!(l, Light::Area(_)))
+            .count();
+        Statistics {
+            n_triangles: self.geometry.n_triangles(),
+            n_meshes: self.geometry.meshes().len(),
+            n_materials: self.materials.len() - 1,
+            n_images: self.images.len(),
+            n_area_lights,
+            n_punctual_lights: self.appearance.lights.len(),
+            n_cameras: self.cameras.len(),
+        }
+    }
+}
+
+fn dress(
+    geometry: &Geometry,
+    images: &[TextureImage],
+    appearance: &Appearance,
+) -> (Vec<Material>, Lights, bool) {
+    let materials: Vec<Material> = appearance
+        .materials
+        .iter()
+        .map(|m| Material::new(m, images))
+        .collect();
+    let lights = lighting::lights(geometry, &materials, appearance);
+    let has_alpha = geometry
+        .meshes()
+        .iter()
+        .any(|mesh| materials[mesh.material as usize].has_alpha());
+    (materials, lights, has_alpha)
+}
+
+/// A camera in front of the scene and a little above, far enough to see all of its bounding sphere.
+fn camera_for_bounds(min: Vec3, max: Vec3) -> CameraDescription {
+    let yfov = 40f32.to_radians();
+    let center = 0.5 * (min + max);
+    let radius = (0.5 * (max - min).length()).max(1e-6);
+    let direction = Vec3::new(0.35, 0.3, 1.0).normalize();
+    let eye = center + direction * (radius / (0.5 * yfov).sin());
+    CameraDescription {
+        name: "default".to_owned(),
+        world_from_camera: CameraDescription::looking_at(eye, center, Vec3::Y),
+        aspect_ratio: None,
+        projection: Projection::Perspective { yfov },
+        lens: None,
     }
 }

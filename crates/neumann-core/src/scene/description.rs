@@ -289,6 +289,22 @@ pub struct CameraDescription {
     pub lens: Option<Lens>,
 }
 
+impl CameraDescription {
+    /// The transform of a camera at `eye` that looks at `target`, `up` being upwards in its picture
+    /// as far as possible; world space.
+    #[must_use]
+    pub fn looking_at(eye: Vec3, target: Vec3, up: Vec3) -> Mat4 {
+        let back = (eye - target).normalize_or(Vec3::Z);
+        let right = up.cross(back).normalize_or(back.any_orthonormal_vector());
+        Mat4::from_cols(
+            right.extend(0.0),
+            back.cross(right).extend(0.0),
+            back.extend(0.0),
+            eye.extend(1.0),
+        )
+    }
+}
+
 /// How a camera maps directions or positions to the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {

@@ -1,9 +1,18 @@
 //! What the light meets.
 //!
-//! [`description`] mirrors a file, [`load`] fills it in, [`Scene`] is ready to trace.
+//! [`description`] mirrors a file, [`load`] fills it in, [`Scene::build`] makes it
+//! ready to trace: world-space [`geometry`], a tree over it, materials and lights.
+//! [`Appearance`] is the part that can be edited without building the tree anew.
 
+mod appearance;
+mod build;
 mod built;
+pub mod builtin;
 pub mod description;
+pub mod geometry;
+mod lighting;
 pub mod load;
 
-pub use built::Scene;
+pub use appearance::{Appearance, Level};
+pub use built::{Scene, Statistics};
+pub use builtin::open;

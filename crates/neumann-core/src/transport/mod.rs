@@ -1,20 +1,10 @@
-//! Steps of paths.
-use crate::scene::Scene;
-/// Traces rays and counts them.
-pub struct Tracer<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    n_rays: u64,
-}
-impl<'a> Tracer<'a> {
-    /// A tracer.
-    #[must_use]
-    pub fn new(scene: &'a Scene) -> Self {
-        Self { scene, n_rays: 0 }
-    }
-    /// Rays so far.
-    #[must_use]
-    pub fn n_rays(&self) -> u64 {
-        self.n_rays
-    }
-}
+//! Steps of paths: meeting a surface, asking who sees whom, one integral of reflection.
+
+mod medium;
+pub mod reflection;
+mod tracer;
+mod vertex;
+
+pub use medium::Medium;
+pub use tracer::Tracer;
+pub use vertex::{SurfaceVertex, VertexSample};

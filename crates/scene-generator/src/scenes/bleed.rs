@@ -9,7 +9,8 @@ use std::f64::consts::PI;
 use glam::{DVec3, dvec3};
 
 use crate::material::{Material, Rgb};
-use crate::mesh::{Mesh, Sweep};
+use crate::mesh::Mesh;
+use crate::revolve::Sweep;
 use crate::scene::{Camera, Placement, Scene};
 
 const SCREEN_RADIUS: f64 = 0.95;

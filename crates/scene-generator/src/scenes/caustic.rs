@@ -9,7 +9,8 @@ use std::f64::consts::PI;
 use glam::{DQuat, DVec3, dvec3};
 
 use crate::material::Material;
-use crate::mesh::{Mesh, Sweep};
+use crate::mesh::Mesh;
+use crate::revolve::Sweep;
 use crate::scene::{Camera, Placement, Scene};
 
 /// A ball and a ring on a sheet of paper.

@@ -9,7 +9,8 @@
 use glam::{DVec3, dvec3};
 
 use crate::material::Material;
-use crate::mesh::{Mesh, Sweep};
+use crate::mesh::Mesh;
+use crate::revolve::Sweep;
 use crate::scene::{Camera, Part, Placement, Scene, Surface};
 
 const BULB_RADIUS: f64 = 0.025;

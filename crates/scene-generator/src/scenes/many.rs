@@ -7,7 +7,8 @@
 use glam::{DVec3, dvec3};
 
 use crate::material::{Material, Rgb};
-use crate::mesh::{Mesh, Sweep};
+use crate::mesh::Mesh;
+use crate::revolve::Sweep;
 use crate::scene::{Camera, Placement, Scene, Surface};
 
 const N_LANTERNS: u32 = 260;

@@ -7,7 +7,8 @@
 use glam::{DVec2, DVec3, dvec2, dvec3};
 
 use crate::material::{Material, Rgb};
-use crate::mesh::{Mesh, Sweep};
+use crate::mesh::Mesh;
+use crate::revolve::Sweep;
 use crate::scene::{Camera, Placement, Scene};
 
 /// Half the size of the basin along X and Z; its middle is at (0, 0, -1).

@@ -4,7 +4,8 @@ use glam::{DQuat, DVec3, dvec3};
 
 use crate::environment::GROUND_ALBEDO;
 use crate::material::Material;
-use crate::mesh::{Mesh, Sweep};
+use crate::mesh::Mesh;
+use crate::revolve::Sweep;
 use crate::scene::{Camera, Placement, Scene};
 
 /// Balls and a ring on open ground.

@@ -1,0 +1,6 @@
+//! Finds what a ray meets.
+
+mod bvh;
+mod triangle;
+
+pub use bvh::{Bvh, Hit};

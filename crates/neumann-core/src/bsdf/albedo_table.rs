@@ -1,0 +1,148 @@
+//! How much a rough Fresnel interface reflects in all, tabulated.
+//!
+//! With Schlick's Fresnel the directional albedo of a GGX lobe is linear in f0
+//! and f90: `E(cos) = f0 A(cos, alpha) + f90 B(cos, alpha)` (the split of Karis
+//! 2013). Its cosine-weighted mean is `2 ∫ E cos dcos`. The coat over a diffuse
+//! base needs both to conserve energy and to be reciprocal
+//! ([`super::MetallicRoughness`]).
+
+use std::sync::LazyLock;
+
+use glam::Vec3;
+
+use super::fresnel::schlick_weight;
+use super::microfacet::Ggx;
+use crate::radiometry::Rgb;
+
+/// Entries along each axis.
+const N: usize = 32;
+/// Directions per entry and axis.
+const N_SAMPLES: usize = 16;
+
+struct Table {
+    /// `directional[alpha][cos]`: A and B.
+    directional: Vec<[f32; 2]>,
+    /// `mean[alpha]`: A and B.
+    mean: Vec<[f32; 2]>,
+}
+
+static TABLE: LazyLock<Table> = LazyLock::new(Table::new);
+
+/// Directional albedo: the share of light from one direction that the interface reflects.
+///
+/// `cos` in [0, 1]; `alpha` is GGX's.
+#[inline]
+#[must_use]
+pub fn directional(f0: Rgb, f90: Rgb, cos: f32, alpha: f32) -> Rgb {
+    let [a, b] = if alpha < super::microfacet::SMOOTH_ALPHA {
+        let w = schlick_weight(cos);
+        [1.0 - w, w]
+    } else {
+        TABLE.at(cos, alpha)
+    };
+    f0 * a + f90 * b
+}
+
+/// Mean albedo: the share of uniform light that the interface reflects.
+#[inline]
+#[must_use]
+pub fn mean(f0: Rgb, f90: Rgb, alpha: f32) -> Rgb {
+    let [a, b] = if alpha < super::microfacet::SMOOTH_ALPHA {
+        // 2 ∫ (1 - c)⁵ c dc = 1/21.
+        [20.0 / 21.0, 1.0 / 21.0]
+    } else {
+        TABLE.mean_at(alpha)
+    };
+    f0 * a + f90 * b
+}
+
+impl Table {
+    fn new() -> Self {
+        let mut directional = Vec::with_capacity(N * N);
+        let mut mean = Vec::with_capacity(N);
+        for row in 0..N {
+            let ggx = Ggx {
+                alpha: (alpha_at(row)).max(super::microfacet::SMOOTH_ALPHA),
+            };
+            let entries: Vec<[f32; 2]> = (0..N).map(|i| split_albedo(ggx, cos_at(i))).collect();
+            mean.push(mean_of(&entries));
+            directional.extend(entries);
+        }
+        Self { directional, mean }
+    }
+
+    fn at(&self, cos: f32, alpha: f32) -> [f32; 2] {
+        let (c, s) = position(cos);
+        let (r, t) = position(alpha.sqrt());
+        let row = |r: usize| {
+            lerp(
+                self.directional[r * N + c],
+                self.directional[r * N + c + 1],
+                s,
+            )
+        };
+        lerp(row(r), row(r + 1), t)
+    }
+
+    fn mean_at(&self, alpha: f32) -> [f32; 2] {
+        let (r, t) = position(alpha.sqrt());
+        lerp(self.mean[r], self.mean[r + 1], t)
+    }
+}
+
+/// Entries are even in cosine and in roughness, the square root of alpha.
+fn cos_at(i: usize) -> f32 {
+    (i as f32 / (N - 1) as f32).max(1e-3)
+}
+
+fn alpha_at(row: usize) -> f32 {
+    let roughness = row as f32 / (N - 1) as f32;
+    roughness * roughness
+}
+
+fn position(x: f32) -> (usize, f32) {
+    let scaled = x.clamp(0.0, 1.0) * (N - 1) as f32;
+    let i = (scaled as usize).min(N - 2);
+    (i, scaled - i as f32)
+}
+
+fn lerp(a: [f32; 2], b: [f32; 2], t: f32) -> [f32; 2] {
+    [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]
+}
+
+/// A and B for one direction, by visible normals on a regular grid: each weighs G2 / G1.
+fn split_albedo(ggx: Ggx, cos: f32) -> [f32; 2] {
+    let wo = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+    let mut sum = [0f32; 2];
+    for i in 0..N_SAMPLES * N_SAMPLES {
+        let u = [
+            ((i % N_SAMPLES) as f32 + 0.5) / N_SAMPLES as f32,
+            ((i / N_SAMPLES) as f32 + 0.5) / N_SAMPLES as f32,
+        ];
+        let m = ggx.sample_visible(wo, u);
+        let wi = 2.0 * wo.dot(m) * m - wo;
+        if wi.z <= 0.0 {
+            continue;
+        }
+        let weight = ggx.g2(wo, wi) / ggx.g1(wo);
+        let f = schlick_weight(wo.dot(m));
+        sum[0] += weight * (1.0 - f);
+        sum[1] += weight * f;
+    }
+    let n = (N_SAMPLES * N_SAMPLES) as f32;
+    [sum[0] / n, sum[1] / n]
+}
+
+/// `2 ∫ E(c) c dc` over the piecewise linear E, exact for each piece.
+fn mean_of(entries: &[[f32; 2]]) -> [f32; 2] {
+    let h = 1.0 / (N - 1) as f32;
+    let mut sum = [0f32; 2];
+    for i in 0..N - 1 {
+        let c = i as f32 * h;
+        for k in 0..2 {
+            let (e0, e1) = (entries[i][k], entries[i + 1][k]);
+            sum[k] += h * (c * (e0 + e1) + h * (e0 + 2.0 * e1) / 3.0);
+        }
+    }
+    sum
+}

@@ -1,0 +1,180 @@
+//! The opaque material of glTF: metal, or a diffuse base under a dielectric coat.
+//!
+//! The specular lobes of metal and coat share one distribution, so that their
+//! Fresnel terms mix. The diffuse base gets what the coat lets through on the way
+//! in and out, `f_d = base/π · (1 - E(o)) (1 - E(i)) / (1 - E_mean)` (Kelemen and
+//! Szirmay-Kalos 2001, eq. 5), with E the coat's albedo: reciprocal, and a white base
+//! loses nothing. The mix by Fresnel alone of the glTF appendix would reflect up to
+//! twice the light at grazing angles.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec3;
+
+use super::conductor::{pdf_w_reflected, sample_reflected, upper};
+use super::fresnel::{schlick, schlick_weight};
+use super::microfacet::Ggx;
+use super::{BsdfSample, Conductor, Scatter, TransportMode, albedo_table, is_reflection};
+use crate::radiometry::Rgb;
+use crate::sampling::warp;
+
+/// Metal and coated diffuse base, mixed by `metallic`.
+#[derive(Clone, Copy, Debug)]
+pub struct MetallicRoughness {
+    /// Albedo of the diffuse base, already multiplied by `1 - metallic`.
+    diffuse: Rgb,
+    /// Coat at normal and grazing incidence.
+    coat: [Rgb; 2],
+    /// Metal and coat mixed, at normal and grazing incidence.
+    specular: [Rgb; 2],
+    ggx: Ggx,
+    /// `diffuse / (π (1 - E_mean))`.
+    diffuse_scale: Rgb,
+}
+
+impl MetallicRoughness {
+    /// A material from glTF's parameters; `coat` holds the dielectric's reflectance at normal and
+    /// at grazing incidence.
+    #[must_use]
+    pub fn new(base: Rgb, metallic: f32, coat: [Rgb; 2], ggx: Ggx) -> Self {
+        let diffuse = base * (1.0 - metallic);
+        let mean = albedo_table::mean(coat[0], coat[1], ggx.alpha);
+        let through = mean.map(|e| FRAC_1_PI / (1.0 - e).max(1e-3));
+        Self {
+            diffuse,
+            coat,
+            specular: [
+                coat[0].lerp(base, metallic),
+                coat[1].lerp(Rgb::WHITE, metallic),
+            ],
+            ggx,
+            diffuse_scale: diffuse * through,
+        }
+    }
+
+    /// True unless it is nothing but a mirror.
+    #[inline]
+    #[must_use]
+    pub fn has_density(&self) -> bool {
+        !self.ggx.is_smooth() || !self.diffuse.is_black()
+    }
+
+    /// Share of light from one direction that is reflected.
+    #[must_use]
+    pub fn albedo(&self, cos_o: f32) -> Rgb {
+        let [f0, f90] = self.specular;
+        let specular = albedo_table::directional(f0, f90, cos_o, self.ggx.alpha);
+        specular + self.diffuse * (Rgb::WHITE - self.coat_albedo(cos_o))
+    }
+
+    /// Metal and coat alone, as a conductor.
+    #[must_use]
+    pub fn specular_part(&self) -> Conductor {
+        let [f0, f90] = self.specular;
+        Conductor {
+            f0,
+            f90,
+            ggx: self.ggx,
+        }
+    }
+
+    /// The same without its diffuse base.
+    #[must_use]
+    pub fn without_diffuse(&self) -> Self {
+        Self {
+            diffuse: Rgb::BLACK,
+            diffuse_scale: Rgb::BLACK,
+            ..*self
+        }
+    }
+
+    #[inline]
+    fn coat_albedo(&self, cos: f32) -> Rgb {
+        albedo_table::directional(self.coat[0], self.coat[1], cos, self.ggx.alpha)
+    }
+
+    /// Probability to sample the specular lobe: its share of the reflected light.
+    #[inline]
+    fn p_specular(&self, cos_o: f32) -> f32 {
+        let [f0, f90] = self.specular;
+        let specular = albedo_table::directional(f0, f90, cos_o, self.ggx.alpha).mean();
+        let diffuse = (self.diffuse * (Rgb::WHITE - self.coat_albedo(cos_o))).mean();
+        if diffuse <= 0.0 {
+            return 1.0;
+        }
+        if specular <= 0.0 {
+            return 0.0;
+        }
+        (specular / (specular + diffuse)).clamp(0.05, 0.95)
+    }
+
+    #[inline]
+    fn diffuse_f(&self, cos_o: f32, cos_i: f32) -> Rgb {
+        if self.diffuse.is_black() {
+            return Rgb::BLACK;
+        }
+        self.diffuse_scale
+            * (Rgb::WHITE - self.coat_albedo(cos_o))
+            * (Rgb::WHITE - self.coat_albedo(cos_i))
+    }
+}
+
+impl Scatter for MetallicRoughness {
+    fn eval(&self, wo: Vec3, wi: Vec3, _mode: TransportMode) -> Rgb {
+        if !is_reflection(wo, wi) {
+            return Rgb::BLACK;
+        }
+        let (wo, wi) = upper(wo, wi);
+        let diffuse = self.diffuse_f(wo.z, wi.z);
+        if self.ggx.is_smooth() {
+            return diffuse;
+        }
+        let m = (wo + wi).normalize();
+        let [f0, f90] = self.specular;
+        let fresnel = f0.lerp(f90, schlick_weight(wo.dot(m)));
+        diffuse + fresnel * (self.ggx.d(m) * self.ggx.g2(wo, wi) / (4.0 * wo.z * wi.z))
+    }
+
+    fn pdf_w(&self, wo: Vec3, wi: Vec3, _mode: TransportMode) -> f32 {
+        if !is_reflection(wo, wi) {
+            return 0.0;
+        }
+        let (wo, wi) = upper(wo, wi);
+        let p_specular = self.p_specular(wo.z);
+        let diffuse = (1.0 - p_specular) * warp::cosine_hemisphere_pdf_w(wi.z);
+        if self.ggx.is_smooth() {
+            return diffuse;
+        }
+        diffuse + p_specular * pdf_w_reflected(self.ggx, wo, wi)
+    }
+
+    fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample> {
+        let cos_o = wo.z.abs();
+        if cos_o == 0.0 {
+            return None;
+        }
+        let p_specular = self.p_specular(cos_o);
+        let wi = if u[0] < p_specular {
+            if self.ggx.is_smooth() {
+                let [f0, f90] = self.specular;
+                return Some(BsdfSample {
+                    wi: Vec3::new(-wo.x, -wo.y, wo.z),
+                    f: schlick(f0, f90, cos_o) / cos_o,
+                    pdf_w: p_specular,
+                    is_delta: true,
+                });
+            }
+            sample_reflected(self.ggx, wo, [u[1], u[2]])?
+        } else {
+            let wi = warp::cosine_hemisphere([u[1], u[2]]);
+            Vec3::new(wi.x, wi.y, wi.z.copysign(wo.z))
+        };
+        let pdf_w = self.pdf_w(wo, wi, mode);
+        (pdf_w > 0.0).then(|| BsdfSample {
+            wi,
+            f: self.eval(wo, wi, mode),
+            pdf_w,
+            is_delta: false,
+        })
+    }
+}

@@ -1,0 +1,297 @@
+//! The sensor: perspective (pinhole or thin lens) and orthographic.
+//!
+//! The value of pixel j is `∫ W_j L`, with importance normalised so that a pixel
+//! seeing radiance 1 everywhere has value 1 ([Veach 1997] 8.3.2). Importance is given
+//! for the whole film, that is `W_j` of the one pixel that the raster position falls in.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+
+use super::{Aim, StartDensities};
+use crate::math::Ray;
+use crate::radiometry::Rgb;
+use crate::sampling::warp;
+use crate::scene::description::{CameraDescription, Lens, Projection};
+
+/// A camera together with the raster of its film; raster (0, 0) is the top left corner of pixel (0, 0).
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    position: Vec3,
+    right: Vec3,
+    up: Vec3,
+    forward: Vec3,
+    /// Half extents of the film: at distance 1 for perspective, in metres for orthographic.
+    half: Vec2,
+    projection: Projection,
+    lens: Option<Lens>,
+    width: f32,
+    height: f32,
+}
+
+/// A ray through a point of the raster.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRay {
+    /// The ray; its sample of the pixel weighs 1.
+    pub ray: Ray,
+    /// Densities with which it was started, over the whole film.
+    pub densities: StartDensities,
+}
+
+impl Camera {
+    /// A camera for a film of `width × height` pixels.
+    #[must_use]
+    pub fn new(description: &CameraDescription, width: usize, height: usize) -> Self {
+        let m = description.world_from_camera;
+        let forward = (-m.z_axis.truncate()).normalize_or(Vec3::NEG_Z);
+        let up_hint = m.y_axis.truncate().normalize_or(Vec3::Y);
+        // A mirroring or shearing transform still yields a right-handed camera.
+        let right = forward
+            .cross(up_hint)
+            .normalize_or(forward.any_orthonormal_vector());
+        let (w, h) = (width as f32, height as f32);
+        let half_height = match description.projection {
+            Projection::Perspective { yfov } => (0.5 * yfov).tan(),
+            Projection::Orthographic { ymag } => ymag.abs(),
+        };
+        Self {
+            position: m.w_axis.truncate(),
+            right,
+            up: right.cross(forward),
+            forward,
+            half: Vec2::new(half_height * w / h, half_height),
+            projection: description.projection,
+            lens: description
+                .lens
+                .filter(|l| l.aperture > 0.0 && l.focus_distance > 0.0),
+            width: w,
+            height: h,
+        }
+    }
+
+    /// View direction, unit.
+    #[must_use]
+    pub fn forward(&self) -> Vec3 {
+        self.forward
+    }
+
+    /// Position of the lens (or of the middle of an orthographic film).
+    #[must_use]
+    pub fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    /// The ray through `raster`, from the point of the lens that `u` in [0, 1)² chooses.
+    #[inline]
+    #[must_use]
+    pub fn ray(&self, raster: Vec2, u: [f32; 2]) -> CameraRay {
+        let film = self.film_from_raster(raster);
+        match self.projection {
+            Projection::Orthographic { .. } => CameraRay {
+                ray: Ray::new(
+                    self.position + self.right * film.x + self.up * film.y,
+                    self.forward,
+                ),
+                densities: StartDensities {
+                    pdf_a: 1.0 / self.film_area(),
+                    pdf_w: 1.0,
+                },
+            },
+            Projection::Perspective { .. } => {
+                let through = self.right * film.x + self.up * film.y + self.forward;
+                let (origin, towards) = match self.lens {
+                    None => (self.position, through),
+                    Some(lens) => {
+                        let p = warp::disk(u) * (0.5 * lens.aperture);
+                        let origin = self.position + self.right * p.x + self.up * p.y;
+                        let focus = self.position + through * lens.focus_distance;
+                        (origin, focus - origin)
+                    }
+                };
+                let direction = towards.normalize();
+                CameraRay {
+                    ray: Ray::new(origin, direction),
+                    densities: StartDensities {
+                        pdf_a: 1.0 / self.lens_area(),
+                        pdf_w: self.pdf_w(direction.dot(self.forward)),
+                    },
+                }
+            }
+        }
+    }
+
+    /// Aims at the camera from `x`: at the point of the lens that `u` in [0, 1)² chooses. Yields the
+    /// raster position that the light falls on; `None` if it misses the film.
+    ///
+    /// `value` of the aim is importance arriving at x, already multiplied by the number of
+    /// pixels: light of one path adds `f · cos · value / pdf_w` times its throughput to that pixel.
+    #[must_use]
+    pub fn aim(&self, x: Vec3, u: [f32; 2]) -> Option<(Aim, Vec2)> {
+        let n_pixels = self.width * self.height;
+        if let Projection::Orthographic { .. } = self.projection {
+            let from_film = x - self.position;
+            let distance = from_film.dot(self.forward);
+            let film = Vec2::new(from_film.dot(self.right), from_film.dot(self.up));
+            let raster = self.raster_from_film(film)?;
+            let pdf_a = 1.0 / self.film_area();
+            return (distance > 0.0).then_some((
+                Aim {
+                    wi: -self.forward,
+                    distance,
+                    value: Rgb::splat(n_pixels * pdf_a),
+                    pdf_w: 1.0,
+                    is_delta: true,
+                    cos_at_endpoint: 1.0,
+                    surface: None,
+                    start: StartDensities { pdf_a, pdf_w: 1.0 },
+                },
+                raster,
+            ));
+        }
+        let on_lens = match self.lens {
+            None => Vec2::ZERO,
+            Some(lens) => warp::disk(u) * (0.5 * lens.aperture),
+        };
+        let origin = self.position + self.right * on_lens.x + self.up * on_lens.y;
+        let to_x = x - origin;
+        let distance = to_x.length();
+        let direction = to_x / distance;
+        let cos = direction.dot(self.forward);
+        if cos <= 1e-6 || !distance.is_finite() {
+            return None;
+        }
+        let raster = self.raster_of(on_lens, direction)?;
+        let pdf_w_start = self.pdf_w(cos);
+        let pdf_a = 1.0 / self.lens_area();
+        // W_e cos = pixels · pdf_a · pdf_w, so that a camera sample weighs 1 ([PBR4] 5.4.1 online).
+        let importance = n_pixels * pdf_w_start * pdf_a / cos;
+        let is_pinhole = self.lens.is_none();
+        let d2 = distance * distance;
+        let aim = Aim {
+            wi: -direction,
+            distance,
+            value: Rgb::splat(if is_pinhole {
+                importance * cos / d2
+            } else {
+                importance
+            }),
+            pdf_w: if is_pinhole { 1.0 } else { pdf_a * d2 / cos },
+            is_delta: is_pinhole,
+            cos_at_endpoint: cos,
+            surface: None,
+            start: StartDensities {
+                pdf_a,
+                pdf_w: pdf_w_start,
+            },
+        };
+        Some((aim, raster))
+    }
+
+    /// The point of the raster that a point in the world is seen at through the middle of the lens, if any.
+    #[must_use]
+    pub fn raster_of_point(&self, x: Vec3) -> Option<Vec2> {
+        let from = x - self.position;
+        let depth = from.dot(self.forward);
+        let film = Vec2::new(from.dot(self.right), from.dot(self.up));
+        match self.projection {
+            Projection::Orthographic { .. } => self.raster_from_film(film),
+            Projection::Perspective { .. } if depth > 0.0 => self.raster_from_film(film / depth),
+            Projection::Perspective { .. } => None,
+        }
+    }
+
+    /// Density of the direction for a raster position uniform over the film, 1/sr: `1 / (A cos³)`
+    /// with A the area of the film at distance 1. A lens does not change it: shifting the origin
+    /// shears the film but keeps directions to the plane of focus one to one.
+    #[inline]
+    fn pdf_w(&self, cos: f32) -> f32 {
+        1.0 / (self.film_area() * cos * cos * cos)
+    }
+
+    #[inline]
+    fn film_area(&self) -> f32 {
+        4.0 * self.half.x * self.half.y
+    }
+
+    #[inline]
+    fn lens_area(&self) -> f32 {
+        self.lens
+            .map_or(1.0, |l| 0.25 * PI * l.aperture * l.aperture)
+    }
+
+    #[inline]
+    fn film_from_raster(&self, raster: Vec2) -> Vec2 {
+        Vec2::new(
+            (2.0 * raster.x / self.width - 1.0) * self.half.x,
+            (1.0 - 2.0 * raster.y / self.height) * self.half.y,
+        )
+    }
+
+    fn raster_from_film(&self, film: Vec2) -> Option<Vec2> {
+        let raster = Vec2::new(
+            (film.x / self.half.x + 1.0) * 0.5 * self.width,
+            (1.0 - film.y / self.half.y) * 0.5 * self.height,
+        );
+        let is_inside =
+            raster.x >= 0.0 && raster.y >= 0.0 && raster.x < self.width && raster.y < self.height;
+        is_inside.then_some(raster)
+    }
+
+    /// The raster position whose ray from `on_lens` has the given direction.
+    fn raster_of(&self, on_lens: Vec2, direction: Vec3) -> Option<Vec2> {
+        let depth = direction.dot(self.forward);
+        let slope = Vec2::new(direction.dot(self.right), direction.dot(self.up)) / depth;
+        let film = match self.lens {
+            None => slope,
+            Some(lens) => slope + on_lens / lens.focus_distance,
+        };
+        self.raster_from_film(film)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Mat4, Vec2, Vec3};
+
+    use super::Camera;
+    use crate::scene::description::{CameraDescription, Lens, Projection};
+
+    fn camera(lens: Option<Lens>, projection: Projection) -> Camera {
+        let description = CameraDescription {
+            name: String::new(),
+            world_from_camera: Mat4::from_translation(Vec3::new(1.0, 2.0, 3.0))
+                * Mat4::from_rotation_y(0.4),
+            aspect_ratio: None,
+            projection,
+            lens,
+        };
+        Camera::new(&description, 64, 48)
+    }
+
+    #[test]
+    fn aiming_back_finds_the_raster_position() {
+        let lens = Some(Lens {
+            aperture: 0.1,
+            focus_distance: 2.0,
+        });
+        let perspective = Projection::Perspective { yfov: 0.9 };
+        for camera in [
+            camera(None, perspective),
+            camera(lens, perspective),
+            camera(None, Projection::Orthographic { ymag: 2.0 }),
+        ] {
+            for (i, raster) in [Vec2::new(3.3, 40.2), Vec2::new(60.0, 1.0)]
+                .iter()
+                .enumerate()
+            {
+                let u = [0.2 + 0.3 * i as f32, 0.7];
+                let start = camera.ray(*raster, u);
+                let (aim, found) = camera.aim(start.ray.at(3.7), u).unwrap();
+                assert!((found - *raster).length() < 1e-3, "{found} {raster}");
+                assert!((aim.wi + start.ray.direction).length() < 1e-5);
+                let ratio = aim.start.pdf_w / start.densities.pdf_w;
+                assert!((ratio - 1.0).abs() < 1e-4);
+            }
+        }
+    }
+}

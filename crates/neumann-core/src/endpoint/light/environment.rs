@@ -1,0 +1,242 @@
+//! Light from infinitely far away, in lat-long form, sampled by its radiance.
+//!
+//! Radiance is bilinear between texel centres. The density is constant over a
+//! texel in (u, v), proportional to the integral of the bilinear radiance over that
+//! texel times sin θ, so that nothing bright is ever drawn with density zero.
+
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::{Bounds, disk_pdf_a, position_before_scene};
+use crate::endpoint::{Aim, Start, StartDensities};
+use crate::radiometry::Rgb;
+use crate::sampling::discrete::Grid2;
+use crate::scene::description::EnvironmentDescription;
+
+/// Light from every direction.
+#[derive(Clone, Debug)]
+pub struct EnvironmentLight {
+    map: Arc<EnvironmentDescription>,
+    intensity: f32,
+    sin_rotation: f32,
+    cos_rotation: f32,
+    grid: Grid2,
+    /// `∫ L dω`, W/m².
+    fluence: Rgb,
+}
+
+/// A uniform map still needs rows, so that its density can follow sin θ.
+const MIN_ROWS: usize = 64;
+
+impl EnvironmentLight {
+    /// A light from a map; `None` if it is black. `brightness` multiplies its intensity.
+    #[must_use]
+    pub fn new(map: &Arc<EnvironmentDescription>, brightness: f32) -> Option<Self> {
+        let rows = if map.height == 1 {
+            MIN_ROWS
+        } else {
+            map.height
+        };
+        let columns = map.width;
+        let at = |x: usize, y: usize| {
+            let y = if map.height == 1 { 0 } else { y };
+            map.texels[y * map.width + x]
+        };
+        let solid_angle = |y: usize| {
+            let (top, bottom) = (y as f64, (y + 1) as f64);
+            let h = std::f64::consts::PI / rows as f64;
+            ((top * h).cos() - (bottom * h).cos()) * std::f64::consts::TAU / columns as f64
+        };
+        let mut weights = Vec::with_capacity(rows * columns);
+        let mut fluence = [0f64; 3];
+        for y in 0..rows {
+            for x in 0..columns {
+                let mean = bilinear_mean(&at, x, y, columns, rows);
+                let w = solid_angle(y);
+                for (sum, c) in fluence.iter_mut().zip(mean.to_array()) {
+                    *sum += f64::from(c) * w;
+                }
+                weights.push(f64::from(mean.mean()) * w);
+            }
+        }
+        let intensity = map.intensity * brightness;
+        let (sin_rotation, cos_rotation) = map.rotation.sin_cos();
+        let grid = Grid2::new(columns, rows, &weights)?;
+        (intensity > 0.0).then(|| Self {
+            map: Arc::clone(map),
+            intensity,
+            sin_rotation,
+            cos_rotation,
+            grid,
+            fluence: Rgb::from(fluence.map(|c| c as f32)) * intensity,
+        })
+    }
+
+    pub(super) fn power(&self, bounds: Bounds) -> Rgb {
+        self.fluence * (PI * bounds.radius * bounds.radius)
+    }
+
+    /// Radiance from `direction`, which points away from the scene.
+    #[must_use]
+    pub fn radiance(&self, direction: Vec3) -> Rgb {
+        let [u, v] = self.uv(direction);
+        let (w, h) = (self.map.width, self.map.height);
+        let (x, y) = (u * w as f32 - 0.5, v * h as f32 - 0.5);
+        let (x0, y0) = (x.floor(), y.floor());
+        let (s, t) = (x - x0, y - y0);
+        let column = |i: f32| (i as i64).rem_euclid(w as i64) as usize;
+        let row = |i: f32| (i as i64).clamp(0, h as i64 - 1) as usize;
+        let at = |x: f32, y: f32| self.map.texels[row(y) * w + column(x)];
+        let top = at(x0, y0).lerp(at(x0 + 1.0, y0), s);
+        let bottom = at(x0, y0 + 1.0).lerp(at(x0 + 1.0, y0 + 1.0), s);
+        top.lerp(bottom, t) * self.intensity
+    }
+
+    /// Density of `direction` in [`Self::aim`], 1/sr.
+    #[must_use]
+    pub fn pdf_w(&self, direction: Vec3) -> f32 {
+        let uv = self.uv(direction);
+        self.pdf_w_from_density(self.grid.density(uv), uv[1])
+    }
+
+    fn pdf_w_from_density(&self, density: f32, v: f32) -> f32 {
+        // dω = sin θ dθ dφ = 2π² sin θ du dv.
+        let sin = (PI * v).sin();
+        if sin > 0.0 {
+            density / (TAU * PI * sin)
+        } else {
+            0.0
+        }
+    }
+
+    pub(super) fn aim(&self, u: [f32; 2], bounds: Bounds) -> Option<Aim> {
+        let (wi, pdf_w) = self.sample(u)?;
+        Some(Aim {
+            wi,
+            distance: f32::INFINITY,
+            value: self.radiance(wi),
+            pdf_w,
+            is_delta: false,
+            cos_at_endpoint: 1.0,
+            surface: None,
+            start: StartDensities {
+                pdf_a: disk_pdf_a(bounds),
+                pdf_w,
+            },
+        })
+    }
+
+    pub(super) fn start(
+        &self,
+        u_direction: [f32; 2],
+        u_position: [f32; 2],
+        bounds: Bounds,
+    ) -> Option<Start> {
+        let (towards, pdf_w) = self.sample(u_direction)?;
+        let direction = -towards;
+        Some(Start {
+            position: position_before_scene(direction, u_position, bounds),
+            error: 0.0,
+            ng: direction,
+            direction,
+            value: self.radiance(towards),
+            cos: 1.0,
+            densities: StartDensities {
+                pdf_a: disk_pdf_a(bounds),
+                pdf_w,
+            },
+            is_delta_position: false,
+            is_delta_direction: false,
+        })
+    }
+
+    fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32)> {
+        let (uv, density) = self.grid.sample(u);
+        let pdf_w = self.pdf_w_from_density(density, uv[1]);
+        (pdf_w > 0.0).then(|| (self.direction(uv), pdf_w))
+    }
+
+    /// `u = 1/2 + atan2(x, -z) / 2π`, `v = acos(y) / π` of the direction turned back by the rotation.
+    fn uv(&self, direction: Vec3) -> [f32; 2] {
+        let d = self.turned(direction, -self.sin_rotation);
+        let u = 0.5 + d.x.atan2(-d.z) / TAU;
+        let v = d.y.clamp(-1.0, 1.0).acos() / PI;
+        [u.rem_euclid(1.0), v]
+    }
+
+    fn direction(&self, [u, v]: [f32; 2]) -> Vec3 {
+        let (sin_theta, cos_theta) = (PI * v).sin_cos();
+        let (sin_phi, cos_phi) = (TAU * (u - 0.5)).sin_cos();
+        let d = Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi);
+        self.turned(d, self.sin_rotation)
+    }
+
+    /// Turns about +Y, counter-clockwise seen from above for a positive sine.
+    fn turned(&self, d: Vec3, sin: f32) -> Vec3 {
+        let cos = self.cos_rotation;
+        Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x)
+    }
+}
+
+/// Mean over one texel of the bilinear interpolation between texel centres: weights 1/8, 6/8, 1/8 each way.
+fn bilinear_mean(
+    at: &impl Fn(usize, usize) -> Rgb,
+    x: usize,
+    y: usize,
+    columns: usize,
+    rows: usize,
+) -> Rgb {
+    let mut sum = Rgb::BLACK;
+    for (dy, wy) in [(-1i64, 0.125f32), (0, 0.75), (1, 0.125)] {
+        let row = (y as i64 + dy).clamp(0, rows as i64 - 1) as usize;
+        for (dx, wx) in [(-1i64, 0.125f32), (0, 0.75), (1, 0.125)] {
+            let column = (x as i64 + dx).rem_euclid(columns as i64) as usize;
+            sum += at(column, row) * (wx * wy);
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::Vec3;
+
+    use super::EnvironmentLight;
+    use crate::radiometry::Rgb;
+    use crate::scene::description::EnvironmentDescription;
+
+    #[test]
+    fn directions_and_coordinates_invert() {
+        let mut map = EnvironmentDescription::uniform(Rgb::WHITE);
+        map.rotation = 0.7;
+        let light = EnvironmentLight::new(&Arc::new(map), 1.0).unwrap();
+        for d in [
+            Vec3::new(0.3, 0.2, -0.9),
+            Vec3::new(-0.3, -0.8, 0.1),
+            Vec3::new(0.9, 0.1, 0.4),
+        ] {
+            let d = d.normalize();
+            assert!((light.direction(light.uv(d)) - d).length() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_centre_of_the_map_is_minus_z_and_u_grows_towards_plus_x() {
+        let map = EnvironmentDescription::uniform(Rgb::WHITE);
+        let light = EnvironmentLight::new(&Arc::new(map), 1.0).unwrap();
+        assert!((light.uv(Vec3::NEG_Z)[0] - 0.5).abs() < 1e-6);
+        assert!((light.uv(Vec3::X)[0] - 0.75).abs() < 1e-6);
+        assert!(light.uv(Vec3::Y)[1].abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_uniform_sky_sends_4_pi() {
+        let map = EnvironmentDescription::uniform(Rgb::splat(2.0));
+        let light = EnvironmentLight::new(&Arc::new(map), 0.5).unwrap();
+        assert!((light.fluence.g / (4.0 * std::f32::consts::PI) - 1.0).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,211 @@
+//! All lights of a scene, and the choice among them.
+
+mod area;
+mod environment;
+mod punctual;
+
+pub use area::{AreaLight, Emission, TexturedEmission};
+pub use environment::EnvironmentLight;
+pub use punctual::{DirectionalLight, PointLight, SpotLight};
+
+use glam::Vec3;
+
+use super::{Aim, Start, StartDensities};
+use crate::radiometry::Rgb;
+use crate::sampling::discrete::AliasTable;
+
+/// The closed set of lights.
+#[derive(Clone, Debug)]
+pub enum Light {
+    /// An emissive triangle.
+    Area(AreaLight),
+    /// A point.
+    Point(PointLight),
+    /// A point that shines into a cone.
+    Spot(SpotLight),
+    /// One direction from infinitely far away.
+    Directional(DirectionalLight),
+    /// All directions from infinitely far away.
+    Environment(EnvironmentLight),
+}
+
+/// The sphere that holds the scene: what a light at infinity has to fill.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Middle, world space.
+    pub center: Vec3,
+    /// Radius, metres.
+    pub radius: f32,
+}
+
+/// Random numbers for a light: which one, which part of it, and where.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Which light, and which part of it.
+    pub choice: [f32; 2],
+    /// Where on it (or in which direction).
+    pub point: [f32; 2],
+    /// In which direction a ray starts; not needed for aiming.
+    pub direction: [f32; 2],
+}
+
+/// The lights of a scene with the probabilities of choosing them, proportional to power.
+#[derive(Clone, Debug, Default)]
+pub struct Lights {
+    lights: Vec<Light>,
+    choice: Option<AliasTable>,
+    environment: Option<usize>,
+    /// `of_triangle[triangle]`: its light, or `u32::MAX`.
+    of_triangle: Vec<u32>,
+    bounds: Bounds,
+}
+
+impl Default for Bounds {
+    fn default() -> Self {
+        Self {
+            center: Vec3::ZERO,
+            radius: 1.0,
+        }
+    }
+}
+
+const NO_LIGHT: u32 = u32::MAX;
+
+impl Lights {
+    /// Lights of a scene of `n_triangles` within `bounds`.
+    #[must_use]
+    pub fn new(lights: Vec<Light>, n_triangles: usize, bounds: Bounds) -> Self {
+        let power: Vec<f64> = lights
+            .iter()
+            .map(|light| f64::from(light.power(bounds).mean()))
+            .collect();
+        let mut of_triangle = Vec::new();
+        if lights.iter().any(|l| matches!(l, Light::Area(_))) {
+            of_triangle = vec![NO_LIGHT; n_triangles];
+        }
+        for (i, light) in lights.iter().enumerate() {
+            if let Light::Area(area) = light {
+                of_triangle[area.triangle as usize] = i as u32;
+            }
+        }
+        Self {
+            choice: AliasTable::new(&power),
+            environment: lights
+                .iter()
+                .position(|l| matches!(l, Light::Environment(_))),
+            of_triangle,
+            lights,
+            bounds,
+        }
+    }
+
+    /// The lights themselves.
+    #[must_use]
+    pub fn as_slice(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// Probability of choosing a light.
+    #[must_use]
+    pub fn pmf(&self, light: usize) -> f32 {
+        self.choice.as_ref().map_or(0.0, |c| c.pmf(light))
+    }
+
+    /// The light that a triangle is, if any.
+    #[inline]
+    #[must_use]
+    pub fn of_triangle(&self, triangle: u32) -> Option<(usize, &AreaLight)> {
+        let index = *self.of_triangle.get(triangle as usize)?;
+        match self.lights.get(index as usize)? {
+            Light::Area(area) => Some((index as usize, area)),
+            _ => None,
+        }
+    }
+
+    /// Chooses a light and aims at it from `x`; `None` means no light this way.
+    #[inline]
+    #[must_use]
+    pub fn aim(&self, x: Vec3, u: &LightSample) -> Option<Aim> {
+        let (index, pmf) = self.choice.as_ref()?.sample(u.choice[0]);
+        let mut aim = match &self.lights[index] {
+            Light::Area(l) => l.aim(x, u),
+            Light::Point(l) => l.aim(x),
+            Light::Spot(l) => l.aim(x),
+            Light::Directional(l) => Some(l.aim(self.bounds)),
+            Light::Environment(l) => l.aim(u.point, self.bounds),
+        }?;
+        aim.pdf_w *= pmf;
+        aim.start.pdf_a *= pmf;
+        Some(aim)
+    }
+
+    /// Chooses a light and starts a ray from it; `None` means no light this way.
+    #[must_use]
+    pub fn start(&self, u: &LightSample) -> Option<Start> {
+        let (index, pmf) = self.choice.as_ref()?.sample(u.choice[0]);
+        let mut start = match &self.lights[index] {
+            Light::Area(l) => l.start(u),
+            Light::Point(l) => Some(l.start(u.direction)),
+            Light::Spot(l) => l.start(u.direction),
+            Light::Directional(l) => Some(l.start(u.point, self.bounds)),
+            Light::Environment(l) => l.start(u.direction, u.point, self.bounds),
+        }?;
+        start.densities.pdf_a *= pmf;
+        Some(start)
+    }
+
+    /// Radiance from infinitely far away along `direction` (pointing away from the scene).
+    #[inline]
+    #[must_use]
+    pub fn environment_radiance(&self, direction: Vec3) -> Rgb {
+        match self.environment.map(|i| &self.lights[i]) {
+            Some(Light::Environment(l)) => l.radiance(direction),
+            _ => Rgb::BLACK,
+        }
+    }
+
+    /// Density with which [`Self::aim`] yields the environment's `direction`, 1/sr, and the densities with which
+    /// [`Self::start`] would have sent a ray the other way.
+    #[inline]
+    #[must_use]
+    pub fn environment_densities(&self, direction: Vec3) -> (f32, StartDensities) {
+        match self.environment.map(|i| (i, &self.lights[i])) {
+            Some((i, Light::Environment(l))) => {
+                let pmf = self.pmf(i);
+                let pdf_w = l.pdf_w(direction);
+                let start = StartDensities {
+                    pdf_a: pmf * disk_pdf_a(self.bounds),
+                    pdf_w,
+                };
+                (pmf * pdf_w, start)
+            }
+            _ => (0.0, StartDensities::default()),
+        }
+    }
+}
+
+impl Light {
+    /// Power sent into a scene within `bounds`, W per channel.
+    #[must_use]
+    pub fn power(&self, bounds: Bounds) -> Rgb {
+        match self {
+            Self::Area(l) => l.power(),
+            Self::Point(l) => l.power(),
+            Self::Spot(l) => l.power(),
+            Self::Directional(l) => l.power(bounds),
+            Self::Environment(l) => l.power(bounds),
+        }
+    }
+}
+
+/// Density of a position uniform on a disk across the scene, 1/m².
+fn disk_pdf_a(bounds: Bounds) -> f32 {
+    1.0 / (std::f32::consts::PI * bounds.radius * bounds.radius)
+}
+
+/// A position uniform on the disk across `direction` that covers the scene, moved back out of it.
+fn position_before_scene(direction: Vec3, u: [f32; 2], bounds: Bounds) -> Vec3 {
+    let frame = crate::math::Frame::from_z(direction);
+    let p = crate::sampling::warp::disk(u);
+    bounds.center + bounds.radius * (frame.x * p.x + frame.y * p.y - direction)
+}

@@ -1,0 +1,191 @@
+//! Distributed ray tracing (Cook, Porter and Carpenter 1984).
+//!
+//! Whitted's recursion with every integral spread over rays: points on the lens, points
+//! on the lights, directions within a glossy lobe. Light is only ever aimed at from
+//! a surface, or found by way of mirror-like and glossy reflection and transmission;
+//! diffuse surfaces hand nothing on to each other.
+
+use super::path_tracing::{add_unlit, connect, hit};
+use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
+use crate::bsdf::TransportMode;
+use crate::math::Ray;
+use crate::radiometry::Rgb;
+use crate::render::{Cancelled, Pass, Sink};
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+use crate::transport::reflection::{aim_at_light, light_sample};
+use crate::transport::{Medium, Tracer};
+
+/// The row of the registry.
+pub(super) static METHOD: Method = Method {
+    id: "drt",
+    title: "distributed",
+    name: "Distributed ray tracing",
+    about: "Cook's rays spread over lens, lights and glossy lobes: soft shadows, blurred reflections, depth of field.",
+    blind_spots: "Light that two diffuse surfaces hand on to each other: no colour bleeding, no caustics.",
+    sight: Sight {
+        diffuse_bounces: Some(1),
+        ..Sight::FULL
+    },
+    bias: Some("no interreflection between diffuse surfaces"),
+    parameters: &[
+        Parameter {
+            name: "lens_samples",
+            title: "lens samples",
+            unit: "",
+            about: "Camera rays through each pixel.",
+            kind: ParameterKind::Integer {
+                default: 1,
+                min: 1,
+                max: 64,
+            },
+        },
+        Parameter {
+            name: "light_samples",
+            title: "light samples",
+            unit: "",
+            about: "Points on lights aimed at from the surface seen first.",
+            kind: ParameterKind::Integer {
+                default: 4,
+                min: 1,
+                max: 64,
+            },
+        },
+        Parameter {
+            name: "glossy_samples",
+            title: "glossy samples",
+            unit: "",
+            about: "Reflected or transmitted rays from the surface seen first; deeper ones send one.",
+            kind: ParameterKind::Integer {
+                default: 4,
+                min: 1,
+                max: 64,
+            },
+        },
+    ],
+    build: |values: &ParameterValues| {
+        let count = |name| values.integer(name).max(1) as u32;
+        Box::new(Distributed {
+            n_lens: count("lens_samples"),
+            n_light: count("light_samples"),
+            n_glossy: count("glossy_samples"),
+        })
+    },
+};
+
+#[derive(Clone, Copy)]
+struct Distributed {
+    n_lens: u32,
+    n_light: u32,
+    n_glossy: u32,
+}
+
+/// One ray of the tree, on its way.
+#[derive(Clone, Copy)]
+struct Branch {
+    ray: Ray,
+    throughput: Rgb,
+    medium: Medium,
+    bounce: u32,
+    /// True if the vertex before could not have aimed along it.
+    is_specular: bool,
+}
+
+impl Integrator for Distributed {
+    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
+        let max_bounces = pass.max_bounces();
+        let camera = pass.camera();
+        let this = *self;
+        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
+            for lens in 0..this.n_lens {
+                // The position in the pixel is drawn once, the lens anew for each ray.
+                sampler.start_bounce(lens * this.blocks_per_ray());
+                let branch = Branch {
+                    ray: camera.ray(raster, sampler.next_2d()).ray,
+                    throughput: Rgb::splat(1.0 / this.n_lens as f32),
+                    medium: Medium::VACUUM,
+                    bounce: 0,
+                    is_specular: true,
+                };
+                this.follow(branch, max_bounces, tracer, sampler, sink);
+            }
+        })
+    }
+}
+
+impl Distributed {
+    /// Blocks of random numbers set aside for one camera ray.
+    fn blocks_per_ray(self) -> u32 {
+        1 + self.n_light + self.n_glossy
+    }
+
+    fn follow(
+        self,
+        branch: Branch,
+        max_bounces: u32,
+        tracer: &mut Tracer<'_>,
+        sampler: &mut Sampler,
+        sink: &mut Sink<'_>,
+    ) {
+        let Branch {
+            ray,
+            mut throughput,
+            medium,
+            bounce,
+            is_specular,
+        } = branch;
+        let Some(vertex) = tracer.vertex(&ray) else {
+            if is_specular {
+                let radiance = tracer.scene.lights().environment_radiance(ray.direction);
+                sink.add(hit(bounce, throughput * radiance, 1.0));
+            }
+            return;
+        };
+        throughput *= medium.transmittance(vertex.distance);
+        if bounce == 0 {
+            add_unlit(tracer, &vertex, sink);
+        }
+
+        // Emission counts where the vertex before could not aim at it.
+        if is_specular {
+            sink.add(hit(bounce, throughput * tracer.emitted(&vertex), 1.0));
+        }
+        if bounce == max_bounces {
+            return;
+        }
+        let is_first = bounce == 0;
+
+        // Soft shadows: points on the lights.
+        if vertex.bsdf.has_density() {
+            let n = if is_first { self.n_light } else { 1 };
+            for _ in 0..n {
+                let u = light_sample(sampler);
+                if let Some(aimed) = aim_at_light(tracer, &vertex, medium, &u) {
+                    let value = throughput * aimed.value;
+                    sink.add(connect(bounce + 1, value, 1.0 / n as f32));
+                }
+            }
+        }
+
+        // Blurred reflection and transmission: directions within the glossy lobes.
+        let Some(glossy) = vertex.bsdf.glossy_part() else {
+            return;
+        };
+        let n = if is_first { self.n_glossy } else { 1 };
+        for _ in 0..n {
+            let [a, b] = sampler.next_2d();
+            let u = [sampler.next_1d(), a, b];
+            let Some(sample) = vertex.sample_of(&glossy, u, TransportMode::Radiance) else {
+                continue;
+            };
+            let next = Branch {
+                ray: vertex.ray(sample.wi),
+                throughput: throughput * sample.throughput() / n as f32,
+                medium: medium.beyond(&vertex, sample.wi),
+                bounce: bounce + 1,
+                is_specular: sample.is_delta,
+            };
+            self.follow(next, max_bounces, tracer, sampler, sink);
+        }
+    }
+}

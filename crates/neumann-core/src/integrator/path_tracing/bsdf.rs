@@ -1,0 +1,78 @@
+//! Path tracing that draws directions from the BSDF.
+//!
+//! The naive path tracer plus one idea, importance sampling: `p` is (nearly)
+//! proportional to `f · cos_i`, so that `f cos / p` varies little, and mirrors and
+//! glass, whose `f` is a delta, can be followed at all.
+
+use crate::bsdf::TransportMode;
+use crate::integrator::{Integrator, Method, ParameterValues, Sight};
+use crate::radiometry::Rgb;
+use crate::render::{Cancelled, Pass};
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+use crate::transport::Medium;
+
+use super::{add_unlit, hit};
+
+/// The row of the registry.
+pub static METHOD: Method = Method {
+    id: "pt-bsdf",
+    title: "PT bsdf",
+    name: "Path tracing, BSDF sampling",
+    about: "Directions are drawn where the surface scatters most. Light still counts only where a path runs into it.",
+    blind_spots: "Lights without extent: no path runs into them by chance.",
+    sight: Sight {
+        punctual_lights: false,
+        ..Sight::FULL
+    },
+    bias: None,
+    parameters: &[],
+    build: |_: &ParameterValues| Box::new(BsdfSampling),
+};
+
+struct BsdfSampling;
+
+impl Integrator for BsdfSampling {
+    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
+        let max_bounces = pass.max_bounces();
+        let camera = pass.camera();
+        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
+            let mut ray = camera.ray(raster, sampler.next_2d()).ray;
+            let mut throughput = Rgb::WHITE;
+            let mut medium = Medium::VACUUM;
+            for bounce in 0..=max_bounces {
+                // What does the ray meet? Nothing: the environment emits.
+                let Some(vertex) = tracer.vertex(&ray) else {
+                    let radiance = scene.lights().environment_radiance(ray.direction);
+                    sink.add(hit(bounce, throughput * radiance, 1.0));
+                    return;
+                };
+                throughput *= medium.transmittance(vertex.distance);
+                if bounce == 0 {
+                    add_unlit(tracer, &vertex, sink);
+                }
+
+                // L_e, after `bounce` applications of T.
+                sink.add(hit(bounce, throughput * tracer.emitted(&vertex), 1.0));
+
+                // Draw a direction from the BSDF, and on to the next vertex.
+                let Some(sample) = vertex.sample(bsdf_numbers(sampler, bounce), MODE) else {
+                    return;
+                };
+                throughput *= sample.throughput();
+                medium = medium.beyond(&vertex, sample.wi);
+                ray = vertex.ray(sample.wi);
+            }
+        })
+    }
+}
+
+pub(super) const MODE: TransportMode = TransportMode::Radiance;
+
+/// Random numbers for the direction at bounce number `bounce`: which lobe, and where in it.
+#[inline]
+pub(super) fn bsdf_numbers(sampler: &mut Sampler, bounce: u32) -> [f32; 3] {
+    sampler.start_bounce(bounce);
+    let [a, b] = sampler.next_2d();
+    [sampler.next_1d(), a, b]
+}

@@ -1,0 +1,118 @@
+//! Path tracing with multiple importance sampling.
+//!
+//! The last one plus one idea: light is both aimed at and run into, and each way
+//! is weighed by how well it samples the direction, `w_i = p_i² / (p_1² + p_2²)`
+//! ([Veach 1997] 9.2.3.2). Long paths end by Russian roulette on their throughput.
+
+use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
+use crate::radiometry::Rgb;
+use crate::render::{Cancelled, Pass};
+use crate::sampling::mis::power_heuristic;
+use crate::sampling::roulette;
+use crate::scene::Scene;
+use crate::transport::Medium;
+use crate::transport::reflection::{aim_at_light, light_sample, pdf_w_of_emitter};
+
+use super::bsdf::{MODE, bsdf_numbers};
+use super::{add_unlit, connect, hit};
+
+/// The row of the registry.
+pub static METHOD: Method = Method {
+    id: "pt-mis",
+    title: "PT mis",
+    name: "Path tracing, multiple importance sampling",
+    about: "Lights are aimed at and run into, each way weighed by how well it samples the direction: \
+            small lights and sharp reflections both come out clean.",
+    blind_spots: "Lights without extent by way of a mirror or smooth glass: neither can be aimed at the other.",
+    sight: Sight::FULL,
+    bias: None,
+    parameters: &[Parameter {
+        name: "roulette",
+        title: "Russian roulette",
+        unit: "",
+        about: "End long paths by chance, in proportion to what they could still carry.",
+        kind: ParameterKind::Switch { default: true },
+    }],
+    build: |values: &ParameterValues| {
+        Box::new(Mis {
+            has_roulette: values.switch("roulette"),
+        })
+    },
+};
+
+struct Mis {
+    has_roulette: bool,
+}
+
+impl Integrator for Mis {
+    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
+        let max_bounces = pass.max_bounces();
+        let camera = pass.camera();
+        let has_roulette = self.has_roulette;
+        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
+            let mut ray = camera.ray(raster, sampler.next_2d()).ray;
+            let mut throughput = Rgb::WHITE;
+            let mut medium = Medium::VACUUM;
+            // Density of the ray's direction; infinite where it could not have been aimed.
+            let mut pdf_w = f32::INFINITY;
+            for bounce in 0..=max_bounces {
+                // What does the ray meet? Nothing: the environment emits.
+                let Some(vertex) = tracer.vertex(&ray) else {
+                    let radiance = scene.lights().environment_radiance(ray.direction);
+                    if !radiance.is_black() {
+                        let (pdf_w_light, _) = scene.lights().environment_densities(ray.direction);
+                        let weight = power_heuristic(pdf_w, pdf_w_light);
+                        sink.add(hit(bounce, throughput * radiance, weight));
+                    }
+                    return;
+                };
+                throughput *= medium.transmittance(vertex.distance);
+                if bounce == 0 {
+                    add_unlit(tracer, &vertex, sink);
+                }
+
+                // L_e that was run into, against having been aimed at.
+                let emitted = tracer.emitted(&vertex);
+                if !emitted.is_black() {
+                    let weight = power_heuristic(pdf_w, pdf_w_of_emitter(tracer, &vertex));
+                    sink.add(hit(bounce, throughput * emitted, weight));
+                }
+                if bounce == max_bounces {
+                    return;
+                }
+
+                // The next event, aimed at, against running into it.
+                let u = bsdf_numbers(sampler, bounce);
+                if vertex.bsdf.has_density() {
+                    let u = light_sample(sampler);
+                    if let Some(aimed) = aim_at_light(tracer, &vertex, medium, &u) {
+                        let value = throughput * aimed.value;
+                        sink.add(connect(bounce + 1, value, aimed.mis_weight()));
+                    }
+                }
+
+                // Draw a direction from the BSDF, and on to the next vertex.
+                let Some(sample) = vertex.sample(u, MODE) else {
+                    return;
+                };
+                throughput *= sample.throughput();
+                pdf_w = if sample.is_delta {
+                    f32::INFINITY
+                } else {
+                    sample.pdf_w
+                };
+
+                // Paths that carry little end by chance.
+                if has_roulette && bounce >= roulette::FIRST_BOUNCE {
+                    let survival = roulette::survival(throughput);
+                    if sampler.next_1d() >= survival {
+                        return;
+                    }
+                    throughput *= 1.0 / survival;
+                }
+                medium = medium.beyond(&vertex, sample.wi);
+                ray = vertex.ray(sample.wi);
+            }
+        })
+    }
+}

@@ -1,0 +1,92 @@
+//! The naive path tracer of the lecture slide, line for line:
+//!
+//! ```text
+//! L(x, wo):  return L_e(x, wo) + R(x, wo)
+//! R(x, wo):  draw wi uniformly from the hemisphere, p = 1 / 2π
+//!            return f(wo, wi) · cos_i · L(y, -wi) / p,   y = what wi meets
+//! ```
+//!
+//! The recursion is a loop here, so that each turn is one application of T. No
+//! direction is preferred, no light is aimed at, no path ends before the cut.
+//! Where light can pass through a surface, directions are drawn from the whole sphere.
+
+use crate::bsdf::TransportMode;
+use crate::integrator::{Integrator, Method, ParameterValues, Sight};
+use crate::radiometry::Rgb;
+use crate::render::{Cancelled, Pass};
+use crate::sampling::warp;
+use crate::scene::Scene;
+use crate::transport::Medium;
+
+use super::{add_unlit, hit};
+
+/// The row of the registry.
+pub static METHOD: Method = Method {
+    id: "naive",
+    title: "naive",
+    name: "Naive path tracing",
+    about: "The recursion of the rendering equation as on the slide: a uniform direction at every hit, \
+            and light only where a path happens to run into it.",
+    blind_spots: "Lights without extent, and mirrors and smooth glass: a uniform direction never finds them.",
+    sight: Sight {
+        punctual_lights: false,
+        delta_surfaces: false,
+        diffuse_bounces: None,
+        shadows: true,
+    },
+    bias: None,
+    parameters: &[],
+    build: |_: &ParameterValues| Box::new(Naive),
+};
+
+struct Naive;
+
+impl Integrator for Naive {
+    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
+        let max_bounces = pass.max_bounces();
+        let camera = pass.camera();
+        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
+            let mut ray = camera.ray(raster, sampler.next_2d()).ray;
+            let mut throughput = Rgb::WHITE;
+            let mut medium = Medium::VACUUM;
+            for bounce in 0..=max_bounces {
+                // What does the ray meet? Nothing: the environment emits.
+                let Some(vertex) = tracer.vertex(&ray) else {
+                    let radiance = scene.lights().environment_radiance(ray.direction);
+                    sink.add(hit(bounce, throughput * radiance, 1.0));
+                    return;
+                };
+                throughput *= medium.transmittance(vertex.distance);
+                if bounce == 0 {
+                    add_unlit(tracer, &vertex, sink);
+                }
+
+                // L_e, after `bounce` applications of T.
+                sink.add(hit(bounce, throughput * tracer.emitted(&vertex), 1.0));
+
+                // Draw a direction uniformly.
+                sampler.start_bounce(bounce);
+                let u = sampler.next_2d();
+                let (local, pdf_w) = if vertex.bsdf.is_transmissive() {
+                    (warp::uniform_sphere(u), warp::UNIFORM_SPHERE_PDF_W)
+                } else {
+                    (warp::uniform_hemisphere(u), warp::UNIFORM_HEMISPHERE_PDF_W)
+                };
+                let side = if vertex.frame.z.dot(vertex.wo) < 0.0 {
+                    -1.0
+                } else {
+                    1.0
+                };
+                let wi = vertex.frame.world_from_local(local) * side;
+
+                // f · cos / p, and on to the next vertex.
+                throughput *= vertex.f_cos(wi, TransportMode::Radiance) / pdf_w;
+                if throughput.is_black() {
+                    return;
+                }
+                medium = medium.beyond(&vertex, wi);
+                ray = vertex.ray(wi);
+            }
+        })
+    }
+}

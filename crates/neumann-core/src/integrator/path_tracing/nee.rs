@@ -1,0 +1,84 @@
+//! Path tracing with next-event estimation.
+//!
+//! The last one plus one idea: the light of the next bounce is not waited for but
+//! aimed at. At each vertex one light is chosen and a shadow ray sent to it. A path
+//! that runs into a light counts it only where no light could have been aimed at it:
+//! seen from the camera directly, or by way of a mirror-like direction.
+
+use crate::integrator::{Integrator, Method, ParameterValues, Sight};
+use crate::radiometry::Rgb;
+use crate::render::{Cancelled, Pass};
+use crate::scene::Scene;
+use crate::transport::Medium;
+use crate::transport::reflection::{aim_at_light, light_sample};
+
+use super::bsdf::{MODE, bsdf_numbers};
+use super::{add_unlit, connect, hit};
+
+/// The row of the registry.
+pub static METHOD: Method = Method {
+    id: "pt-nee",
+    title: "PT nee",
+    name: "Path tracing, next-event estimation",
+    about: "At every hit a light is aimed at. Paths no longer have to run into small lights by chance.",
+    blind_spots: "Lights without extent by way of a mirror or smooth glass: neither can be aimed at the other.",
+    sight: Sight::FULL,
+    bias: None,
+    parameters: &[],
+    build: |_: &ParameterValues| Box::new(NextEvent),
+};
+
+struct NextEvent;
+
+impl Integrator for NextEvent {
+    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
+        let max_bounces = pass.max_bounces();
+        let camera = pass.camera();
+        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
+            let mut ray = camera.ray(raster, sampler.next_2d()).ray;
+            let mut throughput = Rgb::WHITE;
+            let mut medium = Medium::VACUUM;
+            let mut is_specular = true;
+            for bounce in 0..=max_bounces {
+                // What does the ray meet? Nothing: the environment emits.
+                let Some(vertex) = tracer.vertex(&ray) else {
+                    if is_specular {
+                        let radiance = scene.lights().environment_radiance(ray.direction);
+                        sink.add(hit(bounce, throughput * radiance, 1.0));
+                    }
+                    return;
+                };
+                throughput *= medium.transmittance(vertex.distance);
+                if bounce == 0 {
+                    add_unlit(tracer, &vertex, sink);
+                }
+
+                // L_e counts where the vertex before could not aim at it.
+                if is_specular {
+                    sink.add(hit(bounce, throughput * tracer.emitted(&vertex), 1.0));
+                }
+                if bounce == max_bounces {
+                    return;
+                }
+
+                // The next event: light that scatters here, aimed at.
+                let u = bsdf_numbers(sampler, bounce);
+                if vertex.bsdf.has_density() {
+                    let u = light_sample(sampler);
+                    if let Some(aimed) = aim_at_light(tracer, &vertex, medium, &u) {
+                        sink.add(connect(bounce + 1, throughput * aimed.value, 1.0));
+                    }
+                }
+
+                // Draw a direction from the BSDF, and on to the next vertex.
+                let Some(sample) = vertex.sample(u, MODE) else {
+                    return;
+                };
+                throughput *= sample.throughput();
+                is_specular = sample.is_delta;
+                medium = medium.beyond(&vertex, sample.wi);
+                ray = vertex.ray(sample.wi);
+            }
+        })
+    }
+}

@@ -1,0 +1,74 @@
+//! Local shading as a rasteriser has it: `L_e + T L_e` without asking who sees whom.
+//!
+//! Lights are aimed at as if nothing were in the way. Held against the true `T L_e` it
+//! shows what shadows are worth; held against L, what all further bounces are.
+
+use super::path_tracing::{add_unlit, connect, hit};
+use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
+use crate::render::{Cancelled, Pass};
+use crate::scene::Scene;
+use crate::transport::reflection::{aim_unshadowed, light_sample};
+
+/// The row of the registry.
+pub(super) static METHOD: Method = Method {
+    id: "shade",
+    title: "shade",
+    name: "Local shading",
+    about: "What a rasteriser computes: emission and one reflection of every light, without shadows.",
+    blind_spots: "Everything in between: shadows, mirrors and glass, and all light scattered more than once.",
+    sight: Sight {
+        delta_surfaces: false,
+        diffuse_bounces: Some(1),
+        shadows: false,
+        ..Sight::FULL
+    },
+    bias: Some("lights shine through everything"),
+    parameters: &[Parameter {
+        name: "light_samples",
+        title: "light samples",
+        unit: "",
+        about: "Points on lights aimed at from each surface point.",
+        kind: ParameterKind::Integer {
+            default: 4,
+            min: 1,
+            max: 64,
+        },
+    }],
+    build: |values: &ParameterValues| {
+        Box::new(Shade {
+            n_light_samples: values.integer("light_samples").max(1) as u32,
+        })
+    },
+};
+
+struct Shade {
+    n_light_samples: u32,
+}
+
+impl Integrator for Shade {
+    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
+        let max_bounces = pass.max_bounces();
+        let camera = pass.camera();
+        let n = self.n_light_samples;
+        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
+            let ray = camera.ray(raster, sampler.next_2d()).ray;
+            let Some(vertex) = tracer.vertex(&ray) else {
+                let radiance = scene.lights().environment_radiance(ray.direction);
+                sink.add(hit(0, radiance, 1.0));
+                return;
+            };
+            add_unlit(tracer, &vertex, sink);
+            sink.add(hit(0, tracer.emitted(&vertex), 1.0));
+            if max_bounces == 0 || !vertex.bsdf.has_density() {
+                return;
+            }
+            for i in 0..n {
+                sampler.start_bounce(i);
+                let u = light_sample(sampler);
+                if let Some((aimed, _)) = aim_unshadowed(tracer, &vertex, &u) {
+                    sink.add(connect(1, aimed.value, 1.0 / n as f32));
+                }
+            }
+        })
+    }
+}

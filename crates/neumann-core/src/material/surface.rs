@@ -1,0 +1,244 @@
+//! A material ready for use: parameters and textures to a BSDF at a point.
+
+use glam::{Vec2, Vec3, Vec4};
+
+use super::texture::{ColorSpace, Texture, TextureImage};
+use crate::bsdf::microfacet::Ggx;
+use crate::bsdf::{Bsdf, Conductor, Dielectric, Lambert, MetallicRoughness, Mix, Walls, fresnel};
+use crate::radiometry::Rgb;
+use crate::scene::description::{AlphaMode, MaterialDescription, VolumeDescription};
+
+/// A material ready for use.
+#[derive(Clone, Debug)]
+pub struct Material {
+    parameters: MaterialDescription,
+    base_color: Option<Texture>,
+    metallic_roughness: Option<Texture>,
+    normal: Option<Texture>,
+    emission: Option<Texture>,
+    specular: Option<Texture>,
+    specular_color: Option<Texture>,
+    transmission: Option<Texture>,
+    /// The BSDF where nothing varies over the surface.
+    uniform: Option<Bsdf>,
+    /// Absorption coefficient of the inside, 1/m.
+    absorption: Option<Rgb>,
+}
+
+/// What a mesh says at a point of its surface.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceInputs<'a> {
+    /// Texture coordinates by set; missing ones read as (0, 0).
+    pub uvs: &'a [Vec2],
+    /// Vertex colour, linear RGBA.
+    pub color: Vec4,
+}
+
+impl Material {
+    /// A material over the scene's images.
+    #[must_use]
+    pub fn new(parameters: &MaterialDescription, images: &[TextureImage]) -> Self {
+        let texture = |t: &Option<_>, space| {
+            t.as_ref()
+                .and_then(|description| Texture::new(description, images, space))
+        };
+        let p = parameters;
+        let mut material = Self {
+            base_color: texture(&p.base_color_texture, ColorSpace::Srgb),
+            metallic_roughness: texture(&p.metallic_roughness_texture, ColorSpace::Linear),
+            normal: texture(&p.normal_texture, ColorSpace::Linear),
+            emission: texture(&p.emission_texture, ColorSpace::Srgb),
+            specular: texture(&p.specular_texture, ColorSpace::Linear),
+            specular_color: texture(&p.specular_color_texture, ColorSpace::Srgb),
+            transmission: texture(&p.transmission_texture, ColorSpace::Linear),
+            uniform: None,
+            absorption: p.volume.map(absorption),
+            parameters: p.clone(),
+        };
+        let varies = material.base_color.is_some()
+            || material.metallic_roughness.is_some()
+            || material.specular.is_some()
+            || material.specular_color.is_some()
+            || material.transmission.is_some();
+        if !varies {
+            material.uniform = Some(material.evaluate(&SurfaceInputs {
+                uvs: &[],
+                color: Vec4::ONE,
+            }));
+        }
+        material
+    }
+
+    /// The parameters it was made from.
+    #[must_use]
+    pub fn parameters(&self) -> &MaterialDescription {
+        &self.parameters
+    }
+
+    /// True for a surface that shows its base colour and takes no part in transport.
+    #[inline]
+    #[must_use]
+    pub fn is_unlit(&self) -> bool {
+        self.parameters.is_unlit
+    }
+
+    /// True where rays may pass as if nothing were there.
+    #[inline]
+    #[must_use]
+    pub fn has_alpha(&self) -> bool {
+        self.parameters.alpha_mode != AlphaMode::Opaque
+    }
+
+    /// Absorption coefficient of the inside, 1/m; `None` without a volume.
+    #[inline]
+    #[must_use]
+    pub fn absorption(&self) -> Option<Rgb> {
+        self.absorption
+    }
+
+    /// True if the surface scatters towards at least some directions from a density; only a hint
+    /// where textures decide.
+    #[must_use]
+    pub fn normal_texture(&self) -> Option<&Texture> {
+        self.normal.as_ref()
+    }
+
+    /// The emission texture and factor.
+    #[must_use]
+    pub fn emission(&self) -> (Rgb, Option<&Texture>) {
+        (self.parameters.emission, self.emission.as_ref())
+    }
+
+    /// Probability that a ray meets the surface there, in [0, 1].
+    #[must_use]
+    pub fn opacity(&self, inputs: &SurfaceInputs<'_>) -> f32 {
+        let alpha = || {
+            let texture = self.base_color.as_ref().map_or(1.0, |t| read(t, inputs).w);
+            self.parameters.alpha * texture * inputs.color.w
+        };
+        match self.parameters.alpha_mode {
+            AlphaMode::Opaque => 1.0,
+            AlphaMode::Mask { cutoff } => f32::from(u8::from(alpha() >= cutoff)),
+            AlphaMode::Blend => alpha().clamp(0.0, 1.0),
+        }
+    }
+
+    /// Base colour there, linear.
+    #[must_use]
+    pub fn base_color(&self, inputs: &SurfaceInputs<'_>) -> Rgb {
+        let texture = self
+            .base_color
+            .as_ref()
+            .map_or(Rgb::WHITE, |t| rgb(read(t, inputs)));
+        let color = self.parameters.base_color * texture * rgb(inputs.color);
+        color.map(|c| c.clamp(0.0, 1.0))
+    }
+
+    /// The tangent-space normal there, z up; `None` without a normal texture.
+    #[must_use]
+    pub fn tangent_normal(&self, inputs: &SurfaceInputs<'_>) -> Option<Vec3> {
+        let texel = read(self.normal.as_ref()?, inputs).truncate() * 2.0 - 1.0;
+        let s = self.parameters.normal_scale;
+        Vec3::new(texel.x * s, texel.y * s, texel.z).try_normalize()
+    }
+
+    /// How the surface scatters there.
+    #[inline]
+    #[must_use]
+    pub fn bsdf(&self, inputs: &SurfaceInputs<'_>) -> Bsdf {
+        match self.uniform {
+            Some(bsdf) if inputs.color == Vec4::ONE => bsdf,
+            _ => self.evaluate(inputs),
+        }
+    }
+
+    fn evaluate(&self, inputs: &SurfaceInputs<'_>) -> Bsdf {
+        let p = &self.parameters;
+        if p.is_unlit {
+            return Bsdf::Black;
+        }
+        let channel = |t: &Option<Texture>, pick: fn(Vec4) -> f32| {
+            t.as_ref().map_or(1.0, |t| pick(read(t, inputs)))
+        };
+        let base = self.base_color(inputs);
+        let metallic = (p.metallic * channel(&self.metallic_roughness, |t| t.z)).clamp(0.0, 1.0);
+        let roughness = (p.roughness * channel(&self.metallic_roughness, |t| t.y)).clamp(0.0, 1.0);
+        let transmission = (p.transmission * channel(&self.transmission, |t| t.x)).clamp(0.0, 1.0);
+        let specular = (p.specular * channel(&self.specular, |t| t.w)).clamp(0.0, 1.0);
+        let specular_color = p.specular_color
+            * self
+                .specular_color
+                .as_ref()
+                .map_or(Rgb::WHITE, |t| rgb(read(t, inputs)));
+        let ggx = Ggx {
+            alpha: roughness * roughness,
+        };
+        let f0 = fresnel::f0_from_ior(p.ior);
+        // KHR_materials_specular: f0 tinted and clamped, then both ends scaled.
+        let coat = [
+            (specular_color * f0).map(|c| c.min(1.0)) * specular,
+            Rgb::splat(specular),
+        ];
+        let opaque = || MetallicRoughness::new(base, metallic, coat, ggx);
+        let glass_share = transmission * (1.0 - metallic);
+        if glass_share > 0.0 {
+            let glass = Dielectric {
+                ior: p.ior.max(1.0),
+                tint: base,
+                reflection_tint: (specular_color * specular).map(|c| c.min(1.0)),
+                ggx,
+                walls: if p.volume.is_some() {
+                    Walls::Solid
+                } else {
+                    Walls::Thin
+                },
+            };
+            if glass_share >= 1.0 {
+                return Bsdf::Dielectric(glass);
+            }
+            return Bsdf::Mix(Mix {
+                opaque: MetallicRoughness::new(
+                    base,
+                    metallic / (1.0 - glass_share).max(1e-6),
+                    coat,
+                    ggx,
+                ),
+                glass,
+                glass_share,
+            });
+        }
+        if metallic >= 1.0 {
+            return Bsdf::Conductor(Conductor {
+                f0: base,
+                f90: Rgb::WHITE,
+                ggx,
+            });
+        }
+        if metallic == 0.0 && specular == 0.0 {
+            return Bsdf::Lambert(Lambert { albedo: base });
+        }
+        Bsdf::MetallicRoughness(opaque())
+    }
+}
+
+/// `-ln(color) / distance` (`KHR_materials_volume`), 1/m; black absorbs as strongly as 1e-6 would.
+fn absorption(volume: VolumeDescription) -> Rgb {
+    if !volume.attenuation_distance.is_finite() || volume.attenuation_distance <= 0.0 {
+        return Rgb::BLACK;
+    }
+    volume
+        .attenuation_color
+        .map(|c| -c.clamp(1e-6, 1.0).ln() / volume.attenuation_distance)
+}
+
+fn read(texture: &Texture, inputs: &SurfaceInputs<'_>) -> Vec4 {
+    texture.at(inputs
+        .uvs
+        .get(texture.uv_set)
+        .copied()
+        .unwrap_or(Vec2::ZERO))
+}
+
+fn rgb(v: Vec4) -> Rgb {
+    Rgb::new(v.x, v.y, v.z)
+}

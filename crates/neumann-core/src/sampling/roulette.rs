@@ -1,0 +1,13 @@
+//! Russian roulette: ends paths without bias ([Veach 1997] 10.4.1).
+
+use crate::radiometry::Rgb;
+
+/// The bounce from which paths may end; the terms before are never thinned out.
+pub const FIRST_BOUNCE: u32 = 3;
+
+/// Probability to go on for a path of the given throughput, relative to `1` at its start.
+#[inline]
+#[must_use]
+pub fn survival(throughput: Rgb) -> f32 {
+    throughput.max_channel().clamp(0.05, 1.0)
+}

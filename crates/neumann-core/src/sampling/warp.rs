@@ -1,0 +1,117 @@
+//! Warps from the unit square to directions and surfaces, each beside its density.
+//!
+//! Formulas as in Dutré, Global Illumination Compendium (2003), by the number
+//! given; local directions have z as the normal.
+
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI};
+
+use glam::{Vec2, Vec3};
+
+/// Uniform on the unit disk, area preserving and continuous (Shirley and Chiu 1997); density 1/π.
+#[inline]
+#[must_use]
+pub fn disk(u: [f32; 2]) -> Vec2 {
+    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    if a == 0.0 && b == 0.0 {
+        return Vec2::ZERO;
+    }
+    let (r, phi) = if a.abs() > b.abs() {
+        (a, FRAC_PI_4 * (b / a))
+    } else {
+        (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
+    };
+    Vec2::new(r * phi.cos(), r * phi.sin())
+}
+
+/// Density of [`disk`] per area, in the units of a disk of radius 1.
+pub const DISK_PDF_A: f32 = FRAC_1_PI;
+
+/// Uniform on the hemisphere z ≥ 0 (GI Compendium 34).
+#[inline]
+#[must_use]
+pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3 {
+    let z = u[0];
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (2.0 * PI * u[1]).sin_cos();
+    Vec3::new(r * cos, r * sin, z)
+}
+
+/// Density of [`uniform_hemisphere`], 1/sr.
+pub const UNIFORM_HEMISPHERE_PDF_W: f32 = 0.5 * FRAC_1_PI;
+
+/// Proportional to cos θ on the hemisphere z ≥ 0 (GI Compendium 35, by Malley's method).
+#[inline]
+#[must_use]
+pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
+    let p = disk(u);
+    Vec3::new(p.x, p.y, (1.0 - p.length_squared()).max(0.0).sqrt())
+}
+
+/// Density of [`cosine_hemisphere`], 1/sr; zero below.
+#[inline]
+#[must_use]
+pub fn cosine_hemisphere_pdf_w(cos: f32) -> f32 {
+    cos.max(0.0) * FRAC_1_PI
+}
+
+/// Uniform on the sphere (GI Compendium 33).
+#[inline]
+#[must_use]
+pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
+    let z = 1.0 - 2.0 * u[0];
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (2.0 * PI * u[1]).sin_cos();
+    Vec3::new(r * cos, r * sin, z)
+}
+
+/// Density of [`uniform_sphere`], 1/sr.
+pub const UNIFORM_SPHERE_PDF_W: f32 = 0.25 * FRAC_1_PI;
+
+/// Uniform in the cone about +z whose half-angle has the given cosine (GI Compendium 38).
+#[inline]
+#[must_use]
+pub fn uniform_cone(u: [f32; 2], cos_half_angle: f32) -> Vec3 {
+    let z = 1.0 - u[0] * (1.0 - cos_half_angle);
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (2.0 * PI * u[1]).sin_cos();
+    Vec3::new(r * cos, r * sin, z)
+}
+
+/// Density of [`uniform_cone`], 1/sr, within the cone.
+#[inline]
+#[must_use]
+pub fn uniform_cone_pdf_w(cos_half_angle: f32) -> f32 {
+    1.0 / (2.0 * PI * (1.0 - cos_half_angle))
+}
+
+/// Barycentric coordinates of v1 and v2, uniform on a triangle; density 1/area.
+///
+/// Folds the square along its diagonal with low distortion (Heitz 2019, "A
+/// Low-Distortion Map Between Triangle and Square").
+#[inline]
+#[must_use]
+pub fn triangle(u: [f32; 2]) -> [f32; 2] {
+    if u[0] < u[1] {
+        let b = 0.5 * u[0];
+        [b, u[1] - b]
+    } else {
+        let b = 0.5 * u[1];
+        [u[0] - b, b]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{cosine_hemisphere, disk, triangle, uniform_sphere};
+
+    #[test]
+    fn ends_of_the_square_land_where_they_should() {
+        assert!(disk([0.5, 0.5]).length() < 1e-6);
+        assert!((disk([1.0, 0.5]).x - 1.0).abs() < 1e-6);
+        assert!((uniform_sphere([0.0, 0.3]).z - 1.0).abs() < 1e-6);
+        assert!((cosine_hemisphere([0.5, 0.5]).z - 1.0).abs() < 1e-6);
+        assert_eq!(triangle([0.0, 0.0]), [0.0, 0.0]);
+        assert_eq!(triangle([1.0, 0.0]), [1.0, 0.0]);
+        assert_eq!(triangle([0.0, 1.0]), [0.0, 1.0]);
+    }
+}

@@ -1,0 +1,331 @@
+//! Traces rays through a scene and counts them.
+
+use glam::{Vec2, Vec3, Vec4};
+
+use super::SurfaceVertex;
+use crate::accel::Hit;
+use crate::endpoint::{Aim, SurfacePoint};
+use crate::material::{Material, SurfaceInputs};
+use crate::math::ray::offset_point;
+use crate::math::{Frame, Ray};
+use crate::radiometry::Rgb;
+use crate::scene::Scene;
+use crate::scene::geometry::{PlacedMesh, interpolate, position_error};
+
+/// Sets of texture coordinates that are read at a vertex.
+const N_UV_SETS: usize = 4;
+/// Surfaces with alpha that one ray passes at most.
+const MAX_PASSED: usize = 256;
+
+/// Traces rays through a scene and counts them.
+#[derive(Debug)]
+pub struct Tracer<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    n_rays: u64,
+}
+
+/// What a mesh says at a point, read out of its arrays.
+struct Attributes {
+    uvs: [Vec2; N_UV_SETS],
+    n_uv_sets: usize,
+    color: Vec4,
+}
+
+impl Attributes {
+    fn inputs(&self) -> SurfaceInputs<'_> {
+        SurfaceInputs {
+            uvs: &self.uvs[..self.n_uv_sets],
+            color: self.color,
+        }
+    }
+}
+
+impl<'a> Tracer<'a> {
+    /// A tracer that has counted no rays yet.
+    #[must_use]
+    pub fn new(scene: &'a Scene) -> Self {
+        Self { scene, n_rays: 0 }
+    }
+
+    /// Rays traced so far.
+    #[must_use]
+    pub fn n_rays(&self) -> u64 {
+        self.n_rays
+    }
+
+    /// The first surface that the ray meets, with everything needed to scatter there.
+    #[inline]
+    pub fn vertex(&mut self, ray: &Ray) -> Option<SurfaceVertex<'a>> {
+        let hit = self.hit(ray)?;
+        Some(self.surface_vertex(ray, &hit))
+    }
+
+    /// The first surface that the ray meets; surfaces with alpha may let it pass.
+    #[inline]
+    pub fn hit(&mut self, ray: &Ray) -> Option<Hit> {
+        self.n_rays += 1;
+        let hit = self.scene.geometry().bvh().closest_hit(ray)?;
+        if !self.scene.has_alpha() {
+            return Some(hit);
+        }
+        self.first_that_stops(ray, hit)
+    }
+
+    /// Share of light that gets along `wi` from a surface to what was aimed at, 0 if something is
+    /// in the way.
+    #[inline]
+    pub fn visibility(&mut self, from: &SurfacePoint, aim: &Aim) -> f32 {
+        let origin = offset_point(from.position, from.error, from.ng, aim.wi);
+        let ray = match &aim.surface {
+            Some(point) => {
+                let target = offset_point(point.position, point.error, point.ng, -aim.wi);
+                segment(origin, target)
+            }
+            None if aim.distance.is_finite() => {
+                segment(origin, from.position + aim.wi * aim.distance)
+            }
+            None => Some(Ray::new(origin, aim.wi)),
+        };
+        // Ends closer to each other than they are well known see each other.
+        ray.map_or(1.0, |ray| self.transmittance(&ray))
+    }
+
+    /// Share of light that gets along the ray to its end.
+    #[inline]
+    pub fn transmittance(&mut self, ray: &Ray) -> f32 {
+        self.n_rays += 1;
+        if !self.scene.has_alpha() {
+            return f32::from(u8::from(!self.scene.geometry().bvh().is_occluded(ray)));
+        }
+        let mut rest = *ray;
+        let mut share = 1.0;
+        for _ in 0..MAX_PASSED {
+            let Some(hit) = self.scene.geometry().bvh().closest_hit(&rest) else {
+                return share;
+            };
+            if hit.t >= rest.t_max {
+                return share;
+            }
+            share *= 1.0 - self.opacity(&hit);
+            if share <= 0.0 {
+                return 0.0;
+            }
+            rest = self.beyond(&rest, &hit);
+        }
+        share
+    }
+
+    /// Radiance that a vertex emits towards its `wo`, not counting unlit surfaces.
+    #[inline]
+    #[must_use]
+    pub fn emitted(&self, vertex: &SurfaceVertex<'_>) -> Rgb {
+        match self.scene.lights().of_triangle(vertex.triangle) {
+            Some((_, light)) => light.radiance(vertex.barycentrics, vertex.wo),
+            None => Rgb::BLACK,
+        }
+    }
+
+    /// What an unlit surface shows to a camera that sees it directly; black for any other.
+    #[must_use]
+    pub fn unlit(&self, vertex: &SurfaceVertex<'_>) -> Rgb {
+        if !vertex.material.is_unlit() {
+            return Rgb::BLACK;
+        }
+        let hit = Hit {
+            t: vertex.distance,
+            triangle: vertex.triangle,
+            barycentrics: vertex.barycentrics,
+        };
+        let (mesh, corners) = self.scene.geometry().triangle(hit.triangle);
+        let attributes = attributes(mesh, corners, hit.barycentrics);
+        vertex.material.base_color(&attributes.inputs())
+    }
+
+    fn surface_vertex(&self, ray: &Ray, hit: &Hit) -> SurfaceVertex<'a> {
+        let (mesh, vertices) = self.scene.geometry().triangle(hit.triangle);
+        let corners = mesh.corners(vertices);
+        let ng = (corners[1] - corners[0])
+            .cross(corners[2] - corners[0])
+            .normalize();
+        let material = &self.scene.materials()[mesh.material as usize];
+        let attributes = attributes(mesh, vertices, hit.barycentrics);
+        let ns = shading_normal(
+            mesh,
+            vertices,
+            &corners,
+            hit.barycentrics,
+            ng,
+            material,
+            &attributes,
+        );
+        SurfaceVertex {
+            point: SurfacePoint {
+                position: interpolate(corners, hit.barycentrics),
+                error: position_error(&corners),
+                ng,
+            },
+            frame: Frame::from_z(ns),
+            wo: -ray.direction,
+            distance: hit.t,
+            bsdf: material.bsdf(&attributes.inputs()),
+            material,
+            triangle: hit.triangle,
+            barycentrics: hit.barycentrics,
+        }
+    }
+
+    #[cold]
+    fn first_that_stops(&self, ray: &Ray, mut hit: Hit) -> Option<Hit> {
+        let mut rest = *ray;
+        let mut passed = 0.0;
+        for _ in 0..MAX_PASSED {
+            let opacity = self.opacity(&hit);
+            if opacity >= 1.0 || (opacity > 0.0 && chance(ray, hit.triangle) < opacity) {
+                hit.t += passed;
+                return Some(hit);
+            }
+            let next = self.beyond(&rest, &hit);
+            passed += (next.origin - rest.origin).dot(ray.direction);
+            rest = next;
+            hit = self.scene.geometry().bvh().closest_hit(&rest)?;
+        }
+        None
+    }
+
+    fn opacity(&self, hit: &Hit) -> f32 {
+        let (mesh, vertices) = self.scene.geometry().triangle(hit.triangle);
+        let material = &self.scene.materials()[mesh.material as usize];
+        if !material.has_alpha() {
+            return 1.0;
+        }
+        material.opacity(&attributes(mesh, vertices, hit.barycentrics).inputs())
+    }
+
+    /// The rest of a ray behind a surface that it passes.
+    fn beyond(&self, ray: &Ray, hit: &Hit) -> Ray {
+        let (mesh, vertices) = self.scene.geometry().triangle(hit.triangle);
+        let corners = mesh.corners(vertices);
+        let ng = (corners[1] - corners[0])
+            .cross(corners[2] - corners[0])
+            .normalize();
+        let position = interpolate(corners, hit.barycentrics);
+        let origin = offset_point(position, position_error(&corners), ng, ray.direction);
+        Ray {
+            origin,
+            direction: ray.direction,
+            t_max: ray.t_max - (origin - ray.origin).dot(ray.direction),
+        }
+    }
+}
+
+/// The ray from one point to another, if they are apart.
+#[inline]
+fn segment(origin: Vec3, target: Vec3) -> Option<Ray> {
+    let apart = target - origin;
+    let distance = apart.length();
+    (distance > 0.0).then(|| Ray {
+        origin,
+        direction: apart / distance,
+        t_max: distance,
+    })
+}
+
+#[inline]
+fn attributes(mesh: &PlacedMesh, vertices: [usize; 3], b: [f32; 2]) -> Attributes {
+    let mut uvs = [Vec2::ZERO; N_UV_SETS];
+    for (uv, set) in uvs.iter_mut().zip(&mesh.uv_sets) {
+        *uv = interpolate(vertices.map(|v| set[v]), b);
+    }
+    Attributes {
+        uvs,
+        n_uv_sets: mesh.uv_sets.len().min(N_UV_SETS),
+        color: mesh.colors.as_ref().map_or(Vec4::ONE, |colors| {
+            interpolate(vertices.map(|v| colors[v]), b)
+        }),
+    }
+}
+
+/// The interpolated normal, bent by the normal texture, on the side of `ng`.
+#[inline]
+fn shading_normal(
+    mesh: &PlacedMesh,
+    vertices: [usize; 3],
+    corners: &[Vec3; 3],
+    b: [f32; 2],
+    ng: Vec3,
+    material: &Material,
+    attributes: &Attributes,
+) -> Vec3 {
+    let smooth = match &mesh.normals {
+        Some(normals) => {
+            let n = interpolate(vertices.map(|v| normals[v]), b).normalize_or(ng);
+            if n.dot(ng) < 0.0 { -n } else { n }
+        }
+        None => ng,
+    };
+    let Some(tangent_normal) = material.tangent_normal(&attributes.inputs()) else {
+        return smooth;
+    };
+    let tangent = match &mesh.tangents {
+        Some(tangents) => interpolate(vertices.map(|v| tangents[v]), b),
+        None => {
+            let set = material.normal_texture().map_or(0, |t| t.uv_set);
+            tangent_from_uvs(mesh, vertices, corners, set, ng)
+        }
+    };
+    let along = tangent.truncate();
+    let x = (along - smooth * smooth.dot(along)).normalize_or(smooth.any_orthonormal_vector());
+    let y = smooth.cross(x) * if tangent.w < 0.0 { -1.0 } else { 1.0 };
+    let bent = (x * tangent_normal.x + y * tangent_normal.y + smooth * tangent_normal.z)
+        .normalize_or(smooth);
+    if bent.dot(ng) > 0.0 { bent } else { smooth }
+}
+
+/// Direction in which u grows over the triangle, with the sign of the bitangent; glTF's v grows
+/// down the image while its bitangent points up.
+fn tangent_from_uvs(
+    mesh: &PlacedMesh,
+    vertices: [usize; 3],
+    corners: &[Vec3; 3],
+    set: usize,
+    ng: Vec3,
+) -> Vec4 {
+    let fallback = ng.any_orthonormal_vector().extend(1.0);
+    let Some(uvs) = mesh.uv_sets.get(set) else {
+        return fallback;
+    };
+    let (p1, p2) = (corners[1] - corners[0], corners[2] - corners[0]);
+    let (d1, d2) = (
+        uvs[vertices[1]] - uvs[vertices[0]],
+        uvs[vertices[2]] - uvs[vertices[0]],
+    );
+    let determinant = d1.perp_dot(d2);
+    if determinant == 0.0 || !determinant.is_finite() {
+        return fallback;
+    }
+    let along_u = (p1 * d2.y - p2 * d1.y) / determinant;
+    let along_v = (p2 * d1.x - p1 * d2.x) / determinant;
+    let Some(x) = along_u.try_normalize() else {
+        return fallback;
+    };
+    let sign = if ng.cross(x).dot(-along_v) < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    x.extend(sign)
+}
+
+/// A number in [0, 1) that depends on the ray and the triangle alone: whether a half-transparent
+/// surface stops a ray is decided without a random stream of its own, and the same ray is
+/// decided alike wherever it is traced again.
+fn chance(ray: &Ray, triangle: u32) -> f32 {
+    let mut h = u64::from(triangle) ^ 0x9e37_79b9_7f4a_7c15;
+    let (o, d) = (ray.origin, ray.direction);
+    for x in [o.x, o.y, o.z, d.x, d.y, d.z] {
+        h = (h ^ u64::from(x.to_bits())).wrapping_mul(0xff51_afd7_ed55_8ccd);
+        h ^= h >> 32;
+    }
+    (h >> 40) as f32 / 16_777_216.0
+}

@@ -1,0 +1,146 @@
+//! A vertex of a path on a surface.
+//!
+//! Directions are world space, unit, pointing away from the surface. The BSDF
+//! lives in the frame of the shading normal; the geometric normal decides what is
+//! reflection and what is transmission, and nothing passes where the two disagree.
+//! For importance, shading normals ask for the factor
+//! `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` ([Veach 1997] eq. 5.19).
+
+use glam::Vec3;
+
+use crate::bsdf::{Bsdf, Scatter, TransportMode};
+use crate::endpoint::SurfacePoint;
+use crate::material::Material;
+use crate::math::ray::offset_point;
+use crate::math::{Frame, Ray};
+use crate::radiometry::Rgb;
+
+/// A point of a surface that a ray has met, with all that a walk needs to go on.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceVertex<'a> {
+    /// Position and geometric normal.
+    pub point: SurfacePoint,
+    /// Frame about the shading normal.
+    pub frame: Frame,
+    /// Direction to the previous vertex.
+    pub wo: Vec3,
+    /// Distance to the previous vertex, metres.
+    pub distance: f32,
+    /// How the surface scatters, in the shading frame.
+    pub bsdf: Bsdf,
+    /// Its material.
+    pub material: &'a Material,
+    /// Index of the triangle.
+    pub triangle: u32,
+    /// Barycentric coordinates of the second and third corner.
+    pub barycentrics: [f32; 2],
+}
+
+/// A direction drawn at a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct VertexSample {
+    /// Direction to the next vertex.
+    pub wi: Vec3,
+    /// `f · cos_i`, with the correction for shading normals.
+    pub f_cos: Rgb,
+    /// Density of `wi`, 1/sr; for a delta lobe, its probability.
+    pub pdf_w: f32,
+    /// True for a mirror-like direction.
+    pub is_delta: bool,
+}
+
+impl VertexSample {
+    /// `f cos / pdf`: what the step multiplies the throughput by.
+    #[inline]
+    #[must_use]
+    pub fn throughput(&self) -> Rgb {
+        self.f_cos / self.pdf_w
+    }
+}
+
+impl SurfaceVertex<'_> {
+    /// `f(wo, wi) · cos_i`, 1/sr, delta lobes not counted.
+    #[inline]
+    #[must_use]
+    pub fn f_cos(&self, wi: Vec3, mode: TransportMode) -> Rgb {
+        if !self.sides_agree(wi) {
+            return Rgb::BLACK;
+        }
+        let wo_local = self.frame.local_from_world(self.wo);
+        let wi_local = self.frame.local_from_world(wi);
+        let f = self.bsdf.eval(wo_local, wi_local, mode);
+        f * (wi_local.z.abs() * self.normal_correction(wi, mode))
+    }
+
+    /// Density with which [`Self::sample`] yields `wi`, 1/sr, delta lobes not counted.
+    #[inline]
+    #[must_use]
+    pub fn pdf_w(&self, wi: Vec3, mode: TransportMode) -> f32 {
+        if !self.sides_agree(wi) {
+            return 0.0;
+        }
+        self.bsdf.pdf_w(
+            self.frame.local_from_world(self.wo),
+            self.frame.local_from_world(wi),
+            mode,
+        )
+    }
+
+    /// Draws a direction; `None` means no light this way.
+    #[inline]
+    #[must_use]
+    pub fn sample(&self, u: [f32; 3], mode: TransportMode) -> Option<VertexSample> {
+        self.sample_of(&self.bsdf, u, mode)
+    }
+
+    /// As [`Self::sample`], from a BSDF other than the vertex's own (one of its lobes).
+    #[must_use]
+    pub fn sample_of(&self, bsdf: &Bsdf, u: [f32; 3], mode: TransportMode) -> Option<VertexSample> {
+        let wo_local = self.frame.local_from_world(self.wo);
+        let sample = bsdf.sample(wo_local, u, mode)?;
+        let wi = self.frame.world_from_local(sample.wi);
+        if !self.sides_agree(wi) {
+            return None;
+        }
+        let f_cos = sample.f * (sample.wi.z.abs() * self.normal_correction(wi, mode));
+        (!f_cos.is_black()).then_some(VertexSample {
+            wi,
+            f_cos,
+            pdf_w: sample.pdf_w,
+            is_delta: sample.is_delta,
+        })
+    }
+
+    /// A ray that leaves the surface along `wi`.
+    #[inline]
+    #[must_use]
+    pub fn ray(&self, wi: Vec3) -> Ray {
+        Ray::new(
+            offset_point(self.point.position, self.point.error, self.point.ng, wi),
+            wi,
+        )
+    }
+
+    /// Cosine of a direction with the geometric normal, not negative.
+    #[inline]
+    #[must_use]
+    pub fn cos_g(&self, w: Vec3) -> f32 {
+        self.point.ng.dot(w).abs()
+    }
+
+    /// True if shading and geometric normal agree on the sides of `wo` and `wi`.
+    #[inline]
+    fn sides_agree(&self, wi: Vec3) -> bool {
+        let (ng, ns) = (self.point.ng, self.frame.z);
+        ng.dot(wi) * ns.dot(wi) > 0.0 && ng.dot(self.wo) * ns.dot(self.wo) > 0.0
+    }
+
+    #[inline]
+    fn normal_correction(&self, wi: Vec3, mode: TransportMode) -> f32 {
+        if mode == TransportMode::Radiance {
+            return 1.0;
+        }
+        let (ng, ns) = (self.point.ng, self.frame.z);
+        (self.wo.dot(ns) * wi.dot(ng) / (self.wo.dot(ng) * wi.dot(ns))).abs()
+    }
+}

@@ -80,6 +80,11 @@ impl CameraControl {
         self.adopt();
     }
 
+    /// Makes the present camera what [`Self::reset`] goes back to.
+    pub fn make_home(&mut self) {
+        self.home = self.camera.clone();
+    }
+
     /// Moves it to look from `eye` at `target`.
     pub fn look_at(&mut self, eye: Vec3, target: Vec3, up: Vec3) {
         (self.eye, self.target, self.up) = (eye, target, up.normalize_or(Vec3::Y));

@@ -13,6 +13,7 @@ pub struct RenderLink {
     end: End,
     started: Option<Job>,
     n_starts: u64,
+    generation: u64,
 }
 
 enum End {
@@ -51,6 +52,7 @@ impl RenderLink {
             end,
             started: None,
             n_starts: 0,
+            generation: 0,
         }
     }
 
@@ -63,9 +65,16 @@ impl RenderLink {
         };
         self.n_starts += 1;
         self.started = Some(job.clone());
-        if let End::Live(render_loop) = &self.end {
-            render_loop.start(job);
-        }
+        self.generation = match &self.end {
+            End::Live(render_loop) => render_loop.start(job),
+            End::Fixed { published, .. } => published.generation,
+        };
+    }
+
+    /// The generation of what was started last: pictures of an older one are of something else.
+    #[must_use]
+    pub fn generation(&self) -> u64 {
+        self.generation
     }
 
     /// What was started last.

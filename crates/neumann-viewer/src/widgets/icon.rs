@@ -21,6 +21,8 @@ pub enum Icon {
     Panel,
     /// A small triangle pointing down.
     Down,
+    /// A small triangle pointing up.
+    Up,
     /// A cross.
     Close,
 }
@@ -79,6 +81,9 @@ impl Icon {
             }
             Self::Down => {
                 painter.add(filled(vec![at(-3.5, -1.75), at(3.5, -1.75), at(0.0, 2.25)]));
+            }
+            Self::Up => {
+                painter.add(filled(vec![at(-3.5, 1.75), at(0.0, -2.25), at(3.5, 1.75)]));
             }
             Self::Close => {
                 painter.line_segment([at(-3.5, -3.5), at(3.5, 3.5)], stroke);

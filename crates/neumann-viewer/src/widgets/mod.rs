@@ -2,6 +2,7 @@
 
 mod button;
 mod color;
+mod fold;
 mod icon;
 mod segmented;
 mod slider;
@@ -10,6 +11,7 @@ mod text;
 
 pub use button::{button, icon_button, row_button};
 pub use color::color_sliders;
+pub use fold::fold;
 pub use icon::Icon;
 pub use segmented::{choice_row, segmented, segmented_width, tabs};
 pub use slider::{Slider, significant};

@@ -1,1 +1,22 @@
-//! To be written.
+//! Pictures and their files, for the command and for the window.
+//!
+//! Rooms, in reading order: [`tone`] and [`false_colour`] take radiance to the
+//! screen; [`files`] writes without ever leaving half a file; [`png_file`] and
+//! [`exr_file`] keep pictures, the latter a whole film with its history, so that
+//! a render can be gone on with; [`image_file`] reads any picture back;
+//! [`compare`] measures how far two are apart; [`sheet`] lays out the series.
+//!
+//! Knows no window and no terminal.
+
+//pub mod compare;
+mod error;
+pub mod exr_file;
+pub mod false_colour;
+pub mod files;
+pub mod image_file;
+pub mod png_file;
+//pub mod sheet;
+pub mod tone;
+
+pub use error::PictureError;
+pub use image_file::Image;

@@ -6,6 +6,9 @@
 //! their default weights, skins applied in the pose of the file.
 
 use glam::{Vec2, Vec3, Vec4};
+use rayon::iter::{
+    IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator,
+};
 
 use super::File;
 use super::accessor::Accessor;
@@ -19,6 +22,9 @@ use crate::scene::description::MeshDescription;
 
 /// `TEXCOORD_0` to `TEXCOORD_7` are read.
 pub(super) const MOST_UV_SETS: usize = 8;
+
+/// Fewer elements than this are not worth another thread.
+const SMALLEST_TASK: usize = 1 << 14;
 
 /// What a node does to the mesh it shows.
 #[derive(Clone, Copy, Debug, Default)]
@@ -176,22 +182,27 @@ fn read_triangles(
     indices: Option<&Accessor<'_>>,
     n_vertices: usize,
 ) -> Result<Vec<[u32; 3]>, Fault> {
-    let mut triangles = Vec::with_capacity(n_triangles);
-    for i in 0..n_triangles {
-        let corners = topology.corners(i);
-        let triangle = match indices {
-            None => corners.map(|corner| corner as u32),
-            Some(indices) => corners.map(|corner| indices.integers::<1>(corner)[0]),
-        };
-        for (corner, index) in corners.into_iter().zip(triangle) {
-            if index as usize >= n_vertices {
-                return Err(Fault::broken(
-                    indices.map_or("indices", Accessor::at),
-                    format!("index {corner} is {index}, but there are {n_vertices} vertices"),
-                ));
-            }
-        }
-        triangles.push(triangle);
+    let triangle = |i: usize| {
+        topology.corners(i).map(|corner| match indices {
+            None => corner as u32,
+            Some(indices) => indices.integers::<1>(corner)[0],
+        })
+    };
+    let triangles: Vec<[u32; 3]> = (0..n_triangles)
+        .into_par_iter()
+        .with_min_len(SMALLEST_TASK)
+        .map(triangle)
+        .collect();
+    let is_within = |&index: &u32| (index as usize) < n_vertices;
+    if let Some(i) = triangles.iter().position(|t| !t.iter().all(is_within)) {
+        let mut corners = topology.corners(i).into_iter().zip(triangles[i]);
+        let (corner, index) = corners
+            .find(|(_, index)| !is_within(index))
+            .unwrap_or_default();
+        return Err(Fault::broken(
+            indices.map_or("indices", Accessor::at),
+            format!("index {corner} is {index}, but there are {n_vertices} vertices"),
+        ));
     }
     Ok(triangles)
 }
@@ -232,10 +243,10 @@ struct Vertices<'a> {
 }
 
 impl Vertices<'_> {
-    fn read<const N: usize, T>(
+    fn read<const N: usize, T: Send>(
         &self,
         accessor: &Accessor<'_>,
-        convert: impl Fn([f32; N]) -> T,
+        convert: impl Fn([f32; N]) -> T + Sync,
     ) -> Result<Vec<T>, Fault> {
         if accessor.count() < self.n_vertices {
             return Err(Fault::broken(
@@ -252,15 +263,16 @@ impl Vertices<'_> {
             .allowance
             .spend(self.vertices.len(), size_of::<T>(), accessor.at())?;
         let read = |&vertex: &u32| convert(accessor.floats(vertex as usize));
-        Ok(self.vertices.iter().map(read).collect())
+        let vertices = self.vertices.par_iter().with_min_len(SMALLEST_TASK);
+        Ok(vertices.map(read).collect())
     }
 
     /// An attribute of `N` components; `is_unit` normalises integers unsaid.
-    fn optional<const N: usize, T>(
+    fn optional<const N: usize, T: Send>(
         &self,
         key: &str,
         is_unit: bool,
-        convert: impl Fn([f32; N]) -> T,
+        convert: impl Fn([f32; N]) -> T + Sync,
     ) -> Result<Option<Vec<T>>, Fault> {
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N.clamp(1, 4) - 1];
         match Accessor::open(self.file, self.attributes, key, &[kind])? {

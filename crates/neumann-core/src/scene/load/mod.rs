@@ -34,6 +34,8 @@ mod light;
 mod material;
 mod mesh;
 mod morph;
+#[cfg(test)]
+mod mutation_tests;
 mod node;
 mod notes;
 mod picture;

@@ -81,6 +81,8 @@ fn add_weighted(
     let Some(accessor) = Accessor::open(file, target, key, &["VEC3"])? else {
         return Ok(());
     };
+    file.allowance
+        .spend(vertices.len(), size_of::<Vec3>(), target.at())?;
     for (value, &vertex) in values.zip(vertices) {
         if vertex as usize >= accessor.count() {
             return Err(Fault::broken(

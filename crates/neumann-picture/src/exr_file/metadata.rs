@@ -1,0 +1,269 @@
+//! How a picture was made, as the header of its file says it.
+//!
+//! Each entry is an attribute `neumann.…` of the header, all of them texts but
+//! for the counts, so that any viewer of OpenEXR files shows them.
+
+use exr::meta::attribute::{AttributeValue, Text};
+use exr::meta::header::LayerAttributes;
+use neumann_core::render::RenderSettings;
+use neumann_core::scene::description::{
+    CameraDescription, EnvironmentDescription, Projection, SceneDescription,
+};
+
+use super::IterationRanges;
+
+/// How a picture was made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Metadata {
+    /// Id of the integrator.
+    pub integrator: String,
+    /// Its parameters, name and value, in the order of its registry row.
+    pub parameters: Vec<(String, String)>,
+    /// The iterations that the picture is the mean of.
+    pub iterations: IterationRanges,
+    /// Time spent rendering, seconds; of all machines, where several took part.
+    pub seconds: f64,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Name of the scene.
+    pub scene: String,
+    /// Hash of the scene's content.
+    pub content_hash: u64,
+    /// Version of the program.
+    pub program_version: String,
+    /// Terms with `k` up to and including this one were computed.
+    pub max_bounces: u32,
+    /// The camera, by [`camera_text`].
+    pub camera: String,
+    /// The environment, by [`environment_text`].
+    pub environment: String,
+    /// Contributions refused because they were not finite or negative.
+    pub n_refused: u64,
+}
+
+/// A way in which two pictures were made differently.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// What differs, in words.
+    pub field: &'static str,
+    /// In the first one.
+    pub first: String,
+    /// In the second one.
+    pub second: String,
+}
+
+impl std::fmt::Display for Difference {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({} and {})", self.field, self.first, self.second)
+    }
+}
+
+impl Metadata {
+    /// What is known before the first iteration.
+    #[must_use]
+    pub fn of(scene: &SceneDescription, settings: &RenderSettings) -> Self {
+        let value_text = |p: &neumann_core::integrator::Parameter| {
+            let value = settings.values.value(p.name);
+            p.format(value.unwrap_or_else(|| p.default_value()))
+        };
+        Self {
+            integrator: settings.method.id.to_owned(),
+            parameters: settings
+                .method
+                .parameters
+                .iter()
+                .map(|p| (p.name.to_owned(), value_text(p)))
+                .collect(),
+            seed: settings.seed,
+            scene: scene.name.clone(),
+            content_hash: scene.content_hash,
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            max_bounces: settings.max_bounces,
+            camera: camera_text(&settings.camera),
+            environment: environment_text(scene.environment.as_ref()),
+            ..Self::default()
+        }
+    }
+
+    /// The parameters as one text, `a=1 b=on`.
+    #[must_use]
+    pub fn parameters_text(&self) -> String {
+        let texts: Vec<_> = self
+            .parameters
+            .iter()
+            .map(|(name, value)| format!("{name}={value}"))
+            .collect();
+        texts.join(" ")
+    }
+
+    /// Every way in which the expected picture differs: empty if iterations of the one
+    /// may be averaged with iterations of the other.
+    #[must_use]
+    pub fn differences(&self, other: &Self) -> Vec<Difference> {
+        let hash = |m: &Self| format!("{} {:016x}", m.scene, m.content_hash);
+        let fields = [
+            ("scene", hash(self), hash(other)),
+            (
+                "integrator",
+                self.integrator.clone(),
+                other.integrator.clone(),
+            ),
+            (
+                "parameters",
+                self.parameters_text(),
+                other.parameters_text(),
+            ),
+            ("seed", self.seed.to_string(), other.seed.to_string()),
+            (
+                "max-bounces",
+                self.max_bounces.to_string(),
+                other.max_bounces.to_string(),
+            ),
+            ("camera", self.camera.clone(), other.camera.clone()),
+            (
+                "environment",
+                self.environment.clone(),
+                other.environment.clone(),
+            ),
+        ];
+        fields
+            .into_iter()
+            .filter(|(_, a, b)| a != b)
+            .map(|(field, first, second)| Difference {
+                field,
+                first,
+                second,
+            })
+            .collect()
+    }
+
+    /// The sampling that all of it came from: what may differ between two pictures of one scene
+    /// without their being different pictures.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        format!(
+            "{} · {} · {} iterations",
+            self.scene,
+            self.integrator,
+            self.iterations.count()
+        )
+    }
+
+    pub(super) fn put(&self, attributes: &mut LayerAttributes) {
+        let count = |n: u32| AttributeValue::I32(i32::try_from(n).unwrap_or(i32::MAX));
+        let entries = [
+            ("integrator", text(&self.integrator)),
+            ("parameters", text(&self.parameters_text())),
+            ("iterations", count(self.iterations.count())),
+            ("firstIteration", count(self.iterations.first())),
+            ("iterationRanges", text(&self.iterations.to_string())),
+            ("seconds", AttributeValue::F64(self.seconds)),
+            ("seed", text(&self.seed.to_string())),
+            ("scene", text(&self.scene)),
+            ("contentHash", text(&format!("{:016x}", self.content_hash))),
+            ("version", text(&self.program_version)),
+            ("maxBounces", count(self.max_bounces)),
+            ("camera", text(&self.camera)),
+            ("environment", text(&self.environment)),
+            ("refused", text(&self.n_refused.to_string())),
+        ];
+        for (name, value) in entries {
+            let name = text_of(&format!("{PREFIX}{name}"));
+            attributes.other.insert(name, value);
+        }
+        attributes.software_name = Some(text_of(&format!("neumann {}", self.program_version)));
+    }
+
+    /// Reads what [`Self::put`] wrote; the name of what is missing or odd otherwise.
+    pub(super) fn take(attributes: &LayerAttributes) -> Result<Self, &'static str> {
+        let value = |name: &'static str| {
+            let name_text = text_of(&format!("{PREFIX}{name}"));
+            attributes.other.get(&name_text).ok_or(name)
+        };
+        let string = |name| match value(name)? {
+            AttributeValue::Text(t) => Ok(String::from_utf8_lossy(t.as_slice()).into_owned()),
+            _ => Err(name),
+        };
+        let count = |name| match value(name)? {
+            AttributeValue::I32(n) => u32::try_from(*n).map_err(|_| name),
+            _ => Err(name),
+        };
+        let number = |name| string(name)?.parse::<u64>().map_err(|_| name);
+        let seconds = match value("seconds")? {
+            AttributeValue::F64(s) if s.is_finite() && *s >= 0.0 => *s,
+            _ => return Err("seconds"),
+        };
+        let parameters = string("parameters")?
+            .split_whitespace()
+            .map(|pair| {
+                let (name, value) = pair.split_once('=').ok_or("parameters")?;
+                Ok((name.to_owned(), value.to_owned()))
+            })
+            .collect::<Result<_, &'static str>>()?;
+        Ok(Self {
+            integrator: string("integrator")?,
+            parameters,
+            iterations: string("iterationRanges")?
+                .parse()
+                .map_err(|_| "iterationRanges")?,
+            seconds,
+            seed: number("seed")?,
+            scene: string("scene")?,
+            content_hash: u64::from_str_radix(&string("contentHash")?, 16)
+                .map_err(|_| "contentHash")?,
+            program_version: string("version")?,
+            max_bounces: count("maxBounces")?,
+            camera: string("camera")?,
+            environment: string("environment")?,
+            n_refused: number("refused")?,
+        })
+    }
+}
+
+/// What the names of our attributes begin with.
+pub(super) const PREFIX: &str = "neumann.";
+
+/// A text attribute; UTF-8, as other programs take it to be.
+pub(super) fn text(s: &str) -> AttributeValue {
+    AttributeValue::Text(text_of(s))
+}
+
+pub(super) fn text_of(s: &str) -> Text {
+    Text::from_slice_unchecked(s.as_bytes())
+}
+
+/// A camera as a text that is the same if and only if the rays are.
+#[must_use]
+pub fn camera_text(camera: &CameraDescription) -> String {
+    let columns = camera.world_from_camera.to_cols_array();
+    let matrix: Vec<_> = columns.iter().map(f32::to_string).collect();
+    let projection = match camera.projection {
+        Projection::Perspective { yfov } => format!("perspective {yfov}"),
+        Projection::Orthographic { ymag } => format!("orthographic {ymag}"),
+    };
+    let lens = camera.lens.map_or_else(
+        || "pinhole".to_owned(),
+        |lens| format!("lens {} {}", lens.aperture, lens.focus_distance),
+    );
+    format!("{projection}; {lens}; {}", matrix.join(" "))
+}
+
+/// An environment as a text that differs where its light does.
+#[must_use]
+pub fn environment_text(environment: Option<&EnvironmentDescription>) -> String {
+    let Some(e) = environment else {
+        return "none".to_owned();
+    };
+    // FNV-1a over the bits of the texels.
+    let hash = e
+        .texels
+        .iter()
+        .flat_map(|t| t.to_array())
+        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, channel| {
+            (hash ^ u64::from(channel.to_bits())).wrapping_mul(0x0000_0100_0000_01b3)
+        });
+    format!(
+        "{} {}x{} {hash:016x}; intensity {}; rotation {}",
+        e.name, e.width, e.height, e.intensity, e.rotation
+    )
+}

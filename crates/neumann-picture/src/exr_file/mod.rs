@@ -1,0 +1,29 @@
+//! Layered OpenEXR files: a film and its history.
+//!
+//! One part, one flat list of channels, as tev, DJV, Nuke and OpenImageIO expect:
+//!
+//! | channels | content |
+//! |---|---|
+//! | `R G B` | L, the mean of all iterations |
+//! | `T0.R … T7.B`, `tail.R …` | the terms, and everything beyond them; they add up to L |
+//! | `variance.R …` | estimated variance of `R G B`: of the mean, not of one iteration |
+//! | `albedo.R …`, `normal.X …`, `depth.Z` | what the camera sees first |
+//!
+//! Floats of 32 bits (16 on request), ZIP compression over 16 rows, no loss. The
+//! header says how the picture was made ([`Metadata`]), so such a file is also the
+//! checkpoint of its render. Files of other programs are read for their `R G B`
+//! (or `Y`) and their layers.
+
+mod metadata;
+mod planes;
+mod ranges;
+mod read;
+mod write;
+
+pub use metadata::{Difference, Metadata, camera_text, environment_text};
+pub use ranges::IterationRanges;
+pub use read::{Checkpoint, read_exr, read_layers};
+pub use write::{Precision, write_exr, write_exr_as, write_image_exr};
+
+#[cfg(test)]
+mod tests;

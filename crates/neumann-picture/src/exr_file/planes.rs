@@ -1,0 +1,81 @@
+//! Between pixels and the planes of a file: one channel after the other.
+
+use exr::image::{AnyChannel, FlatSamples};
+use exr::prelude::f16;
+use glam::Vec3;
+use neumann_core::radiometry::Rgb;
+
+use super::metadata::text_of;
+use super::write::Precision;
+
+/// Channels under construction.
+pub(super) struct Planes {
+    precision: Precision,
+    pub(super) list: Vec<AnyChannel<FlatSamples>>,
+}
+
+impl Planes {
+    pub(super) fn new(precision: Precision) -> Self {
+        Self {
+            precision,
+            list: Vec::new(),
+        }
+    }
+
+    /// Adds `layer.R`, `layer.G`, `layer.B`, or `R`, `G`, `B` where `layer` is empty.
+    pub(super) fn rgb(&mut self, layer: &str, pixels: &[Rgb]) {
+        self.plane(layer, "R", pixels, |p| p.r);
+        self.plane(layer, "G", pixels, |p| p.g);
+        self.plane(layer, "B", pixels, |p| p.b);
+    }
+
+    /// Adds `layer.X`, `layer.Y`, `layer.Z`.
+    pub(super) fn xyz(&mut self, layer: &str, vectors: &[Vec3]) {
+        self.plane(layer, "X", vectors, |v| v.x);
+        self.plane(layer, "Y", vectors, |v| v.y);
+        self.plane(layer, "Z", vectors, |v| v.z);
+    }
+
+    /// Adds one channel.
+    pub(super) fn plane<T>(
+        &mut self,
+        layer: &str,
+        channel: &str,
+        values: &[T],
+        value: impl Fn(&T) -> f32,
+    ) {
+        let name = if layer.is_empty() {
+            channel.to_owned()
+        } else {
+            format!("{layer}.{channel}")
+        };
+        let samples = match self.precision {
+            Precision::Full => FlatSamples::F32(values.iter().map(value).collect()),
+            Precision::Half => FlatSamples::F16(
+                values
+                    .iter()
+                    .map(|v| f16::from_f32(value(v).clamp(-65504.0, 65504.0)))
+                    .collect(),
+            ),
+        };
+        self.list.push(AnyChannel::new(text_of(&name), samples));
+    }
+}
+
+/// The samples of one channel as floats.
+pub(super) fn floats(samples: FlatSamples) -> Vec<f32> {
+    match samples {
+        FlatSamples::F32(values) => values,
+        FlatSamples::F16(values) => values.into_iter().map(f16::to_f32).collect(),
+        FlatSamples::U32(values) => values.into_iter().map(|v| v as f32).collect(),
+    }
+}
+
+/// Three planes as pixels.
+pub(super) fn interleave<T>([a, b, c]: [&[f32]; 3], make: impl Fn(f32, f32, f32) -> T) -> Vec<T> {
+    a.iter()
+        .zip(b)
+        .zip(c)
+        .map(|((a, b), c)| make(*a, *b, *c))
+        .collect()
+}

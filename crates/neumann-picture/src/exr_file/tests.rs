@@ -1,0 +1,215 @@
+use glam::{Mat4, Vec3};
+use neumann_core::film::{Features, Film};
+use neumann_core::radiometry::Rgb;
+use neumann_core::scene::description::{
+    CameraDescription, EnvironmentDescription, Lens, Projection,
+};
+
+use super::{
+    IterationRanges, Metadata, Precision, camera_text, environment_text, read_exr, read_layers,
+    write_exr, write_exr_as, write_image_exr,
+};
+use crate::files::tests::TestFolder;
+
+const SIZE: (usize, usize) = (37, 21);
+
+/// Numbers without any order to them.
+fn noise(n: usize, seed: u32) -> Vec<Rgb> {
+    let mut state = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 16_777_216.0
+    };
+    (0..n)
+        .map(|_| Rgb::new(next(), next() * 9.0, next() * 1e-4))
+        .collect()
+}
+
+fn film() -> Film {
+    let n = SIZE.0 * SIZE.1;
+    let layers = (0..4).map(|k| noise(n, k)).collect();
+    Film::from_parts(SIZE, 16, layers, noise(n, 100), &noise(n, 101), 3).unwrap()
+}
+
+fn metadata() -> Metadata {
+    Metadata {
+        integrator: "pt-mis".to_owned(),
+        parameters: vec![
+            ("samples".to_owned(), "4".to_owned()),
+            ("roulette".to_owned(), "on".to_owned()),
+        ],
+        iterations: "0-7,16-23".parse().unwrap(),
+        seconds: 1.25,
+        seed: u64::MAX,
+        scene: "Küche ☀".to_owned(),
+        content_hash: 0xdead_beef_0123_4567,
+        program_version: "0.1.0".to_owned(),
+        max_bounces: 16,
+        camera: "perspective 0.7; pinhole; 1 0 0".to_owned(),
+        environment: "none".to_owned(),
+        n_refused: 3,
+    }
+}
+
+fn features() -> Features {
+    let n = SIZE.0 * SIZE.1;
+    let mut depth: Vec<f32> = (0..n).map(|i| i as f32 * 0.5).collect();
+    depth[5] = f32::INFINITY;
+    Features {
+        albedo: noise(n, 7),
+        normal: (0..n).map(|i| Vec3::new(0.0, i as f32, -1.0)).collect(),
+        depth,
+    }
+}
+
+#[test]
+fn a_film_comes_back_bit_by_bit() {
+    let folder = TestFolder::new();
+    let path = folder.join("a.exr");
+    let (film, features) = (film(), features());
+    write_exr(&path, &film, Some(&features), &metadata()).unwrap();
+    let back = read_exr(&path).unwrap();
+    assert_eq!(back.metadata, metadata());
+    assert_eq!(back.film.layers(), film.layers());
+    assert_eq!(back.film.total(), film.total());
+    assert_eq!(back.film.n_iterations(), 16);
+    assert_eq!(back.film.n_refused(), 3);
+    for pixel in 0..film.total().len() {
+        let (a, b) = (
+            film.variance_of_mean(pixel),
+            back.film.variance_of_mean(pixel),
+        );
+        assert!((a.g - b.g).abs() <= 1e-6 * a.g, "{a:?} {b:?}");
+    }
+    let read = back.features.unwrap();
+    assert_eq!(read.albedo, features.albedo);
+    assert_eq!(read.normal, features.normal);
+    assert_eq!(read.depth, features.depth);
+}
+
+#[test]
+fn layers_are_found_by_name() {
+    let folder = TestFolder::new();
+    let path = folder.join("a.exr");
+    write_exr(&path, &film(), None, &metadata()).unwrap();
+    let image = read_layers(&path).unwrap();
+    assert_eq!(image.pixels, film().total());
+    let names: Vec<_> = image.layers.keys().map(String::as_str).collect();
+    assert_eq!(names, ["T0", "T1", "T2", "tail", "variance"]);
+    assert_eq!(image.layer(Some("T2")).unwrap().pixels, film().layers()[2]);
+    assert_eq!(image.layer(Some("L")).unwrap().pixels, film().total());
+    let error = image.layer(Some("T9")).unwrap_err().to_string();
+    assert!(error.contains("T9") && error.contains("T0, T1"), "{error}");
+    assert!(read_exr(&path).unwrap().features.is_none());
+}
+
+#[test]
+fn half_floats_are_smaller_and_no_checkpoint() {
+    let folder = TestFolder::new();
+    let (full, half) = (folder.join("full.exr"), folder.join("half.exr"));
+    write_exr(&full, &film(), None, &metadata()).unwrap();
+    write_exr_as(&half, &film(), None, &metadata(), Precision::Half).unwrap();
+    let size = |path| std::fs::metadata(path).unwrap().len();
+    assert!(size(&half) * 3 < size(&full) * 2);
+    let image = read_layers(&half).unwrap();
+    for (a, b) in image.pixels.iter().zip(film().total()) {
+        assert!((a.g - b.g).abs() <= 1e-3 * b.g + 1e-7);
+    }
+    assert!(read_exr(&half).unwrap_err().to_string().contains("half"));
+}
+
+#[test]
+fn a_plain_picture_is_no_film() {
+    let folder = TestFolder::new();
+    let path = folder.join("plain.exr");
+    let pixels = noise(6, 1);
+    write_image_exr(&path, (3, 2), &pixels, &[("view", "T²Lₑ")]).unwrap();
+    assert_eq!(read_layers(&path).unwrap().pixels, pixels);
+    let error = read_exr(&path).unwrap_err().to_string();
+    assert!(error.contains("neumann.integrator"), "{error}");
+}
+
+#[test]
+fn broken_files_are_refused_and_never_panic() {
+    let folder = TestFolder::new();
+    let path = folder.join("a.exr");
+    write_exr(&path, &film(), None, &metadata()).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let cut = folder.join("cut.exr");
+    for i in 0..40 {
+        std::fs::write(&cut, &bytes[..bytes.len() * i / 40]).unwrap();
+        assert!(read_exr(&cut).is_err(), "cut to {i}/40");
+        assert!(read_layers(&cut).is_err(), "cut to {i}/40");
+    }
+    // Flipped bits may or may not matter; they must not bring the reader down.
+    let mut n_refused = 0;
+    for i in 0..1500usize {
+        let mut flipped = bytes.clone();
+        let at = if i < 1200 { i } else { i * 7919 % bytes.len() };
+        flipped[at] ^= 1 << (i % 8);
+        std::fs::write(&cut, &flipped).unwrap();
+        n_refused += u32::from(read_exr(&cut).is_err());
+    }
+    assert!(n_refused > 100, "{n_refused}");
+}
+
+#[test]
+fn a_header_that_promises_too_much_is_refused_early() {
+    let folder = TestFolder::new();
+    let path = folder.join("a.exr");
+    write_image_exr(&path, (3, 2), &noise(6, 1), &[]).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let at = bytes.windows(10).position(|w| w == b"dataWindow").unwrap();
+    // Name, zero, type "box2i", zero, length, then xMin, yMin, xMax, yMax.
+    let window = at + 11 + 6 + 4;
+    bytes[window + 8..window + 12].copy_from_slice(&200_000i32.to_le_bytes());
+    bytes[window + 12..window + 16].copy_from_slice(&200_000i32.to_le_bytes());
+    std::fs::write(&path, &bytes).unwrap();
+    let error = read_layers(&path).unwrap_err().to_string();
+    assert!(error.contains("promises"), "{error}");
+}
+
+#[test]
+fn differences_name_what_differs_and_nothing_else() {
+    let (a, mut b) = (metadata(), metadata());
+    b.seconds = 9.0;
+    b.iterations = IterationRanges::of(100..200);
+    b.n_refused = 0;
+    assert!(a.differences(&b).is_empty());
+    b.seed = 5;
+    b.content_hash = 1;
+    b.parameters[0].1 = "8".to_owned();
+    let fields: Vec<_> = a.differences(&b).iter().map(|d| d.field).collect();
+    assert_eq!(fields, ["scene", "parameters", "seed"]);
+}
+
+#[test]
+fn cameras_and_environments_differ_in_words_where_they_differ() {
+    let camera = CameraDescription {
+        name: "one".to_owned(),
+        world_from_camera: Mat4::IDENTITY,
+        aspect_ratio: None,
+        projection: Projection::Perspective { yfov: 0.7 },
+        lens: None,
+    };
+    let mut other = camera.clone();
+    other.name = "two".to_owned();
+    assert_eq!(camera_text(&camera), camera_text(&other));
+    other.lens = Some(Lens {
+        aperture: 0.1,
+        focus_distance: 2.0,
+    });
+    assert_ne!(camera_text(&camera), camera_text(&other));
+    let sky = EnvironmentDescription::uniform(Rgb::WHITE);
+    let mut brighter = sky.clone();
+    assert_eq!(
+        environment_text(Some(&sky)),
+        environment_text(Some(&brighter))
+    );
+    brighter.texels[0] = Rgb::splat(1.0 + f32::EPSILON);
+    assert_ne!(
+        environment_text(Some(&sky)),
+        environment_text(Some(&brighter))
+    );
+    assert_eq!(environment_text(None), "none");
+}

@@ -136,10 +136,20 @@ impl RenderLink {
 
 /// Lets the interface go first: workers take what it leaves of the processors.
 fn yield_to_interface() {
-    #[cfg(target_os = "linux")]
-    {
-        // On Linux this is the priority of the calling thread alone. Where it is
-        // refused, rendering is as good and the interface a little slower.
-        let _ = rustix::process::setpriority_process(None, 10);
-    }
+    lower_priority(10);
 }
+
+/// Lets interface and renderer go first.
+pub(crate) fn yield_to_renderer() {
+    lower_priority(15);
+}
+
+#[cfg(target_os = "linux")]
+fn lower_priority(by: i32) {
+    // On Linux this is the priority of the calling thread alone. Where it is
+    // refused, rendering is as good and the interface a little slower.
+    let _ = rustix::process::setpriority_process(None, by);
+}
+
+#[cfg(not(target_os = "linux"))]
+fn lower_priority(_by: i32) {}

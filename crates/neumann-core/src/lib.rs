@@ -1,14 +1,65 @@
-//! Light transport, bounce by bounce.
+//! Light transport, bounce by bounce: everything of neumann that knows no window.
+//!
+//! The rendering equation in operator form is `L = L_e + T L`, so
+//! `L = Σ_k T^k L_e`: emitted light, plus light scattered once, twice, and so on. A
+//! [`scene::Scene`] is what the light meets, an [`integrator::Integrator`] is how the
+//! sum is guessed, a [`film::Film`] keeps its terms apart. Everything that goes from one
+//! to the other is a [`film::Contribution`]: one path's share of one pixel, labelled with
+//! its bounce k, its technique and its MIS weight.
+//!
+//! # The tour
+//! Read the modules in this order; each uses only those before it.
+//!
+//! | module | what is in it |
+//! |---|---|
+//! | [`math`] | frames and rays |
+//! | [`radiometry`] | colour, and the two measures of a direction |
+//! | [`sampling`] | random numbers, warps, discrete choices, MIS, roulette |
+//! | [`bsdf`] | how a surface scatters |
+//! | [`accel`] | what a ray meets |
+//! | [`material`] | textures, and the BSDF they amount to at a point |
+//! | [`endpoint`] | both ends of a path: lights and cameras |
+//! | [`scene`] | files, their description, and the scene ready to trace |
+//! | [`transport`] | vertices, visibility, one integral of reflection |
+//! | [`film`] | contributions, layers by bounce, views |
+//! | [`integrator`] | the methods in lecture order, and their registry |
+//! | [`render`] | threads, streams, merge order; the loop behind a window |
+//!
+//! # Symbols
+//! | here | in formulas | meaning, unit |
+//! |---|---|---|
+//! | `radiance`, `emitted` | `L`, `L_e` | W m⁻² sr⁻¹ per channel |
+//! | importance | `W_e` | response of the camera |
+//! | `f` | `f_s` | BSDF value, 1/sr, without cosine |
+//! | `wo`, `wi` | `ω_o`, `ω_i` | to the previous, to the next vertex |
+//! | `pdf_w`, `pdf_a` | `p_σ`, `p_A` | 1/sr, 1/m² |
+//! | `pmf` | P | probability of a discrete choice |
+//! | `throughput` | β | product of f cos / pdf so far |
+//! | `ng`, `ns` | `n_g`, `n_s` | geometric and shading normal |
+//! | `bounce` | k | power of T |
+//! | `s`, `t` | s, t | vertices of light and camera subpath |
+//!
+//! # Sources
+//! - \[Veach 1997\] E. Veach, Robust Monte Carlo Methods for Light Transport Simulation.
+//! - \[PBR4\] M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering, 4th edition.
+//! - \[Burley 2020\] B. Burley, Practical Hash-based Owen Scrambling, JCGT 9(4).
+//! - Ph. Dutré, Global Illumination Compendium, 2003.
+//! - Khronos, glTF 2.0 specification and the KHR extensions named where they are used.
 
-pub mod accel;
-pub mod bsdf;
-pub mod endpoint;
-pub mod film;
-pub mod integrator;
-pub mod material;
 pub mod math;
 pub mod radiometry;
-pub mod render;
 pub mod sampling;
+
+pub mod bsdf;
+
+pub mod accel;
+pub mod material;
+
+pub mod endpoint;
 pub mod scene;
+
 pub mod transport;
+
+pub mod film;
+pub mod integrator;
+pub mod render;

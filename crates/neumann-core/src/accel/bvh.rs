@@ -12,14 +12,14 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::triangle::Triangle;
 
-use super::triangle::ShearedRay;
+use super::triangle::{Corners, ShearedRay, corners};
 use crate::math::Ray;
 
 /// A tree over triangles.
 pub struct Bvh {
     tree: Bvh2,
     /// Corners in the order of the leaves.
-    corners: Vec<[Vec3; 3]>,
+    corners: Vec<Corners>,
 }
 
 /// What a ray meets first.
@@ -60,7 +60,7 @@ impl Bvh {
         let corners = tree
             .primitive_indices
             .iter()
-            .map(|i| triangles[*i as usize])
+            .map(|i| corners(&triangles[*i as usize]))
             .collect();
         Self { tree, corners }
     }

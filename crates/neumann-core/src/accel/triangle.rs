@@ -9,9 +9,18 @@ use glam::Vec3;
 /// A ray prepared for the test.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShearedRay {
+    /// Origin with its axes permuted so that the ray runs mostly along the last.
     origin: Vec3,
     axes: [usize; 3],
     shear: Vec3,
+}
+
+/// Corners of a triangle; the fourth number of each is padding.
+pub(super) type Corners = [[f32; 4]; 3];
+
+/// Corners as the test wants them.
+pub(super) fn corners(corners: &[Vec3; 3]) -> Corners {
+    corners.map(|v| [v.x, v.y, v.z, 0.0])
 }
 
 /// Where a triangle was met.
@@ -40,7 +49,7 @@ impl ShearedRay {
         }
         let scale = 1.0 / direction[z];
         Self {
-            origin,
+            origin: Vec3::new(origin[x], origin[y], origin[z]),
             axes: [x, y, z],
             shear: Vec3::new(direction[x] * scale, direction[y] * scale, scale),
         }
@@ -48,11 +57,18 @@ impl ShearedRay {
 
     /// The hit with `0 < t <= t_max`, if any.
     #[inline]
-    pub(super) fn intersect(&self, corners: &[Vec3; 3], t_max: f32) -> Option<TriangleHit> {
-        let [x, y, z] = self.axes;
-        let [a, b, c] = corners.map(|v| v - self.origin);
-        let shear = |v: Vec3| (v[x] - self.shear.x * v[z], v[y] - self.shear.y * v[z]);
-        let ((ax, ay), (bx, by), (cx, cy)) = (shear(a), shear(b), shear(c));
+    pub(super) fn intersect(&self, corners: &Corners, t_max: f32) -> Option<TriangleHit> {
+        // The mask tells the compiler that no index is out of bounds.
+        let [x, y, z] = self.axes.map(|axis| axis & 3);
+        let relative = |v: &[f32; 4]| Vec3::new(v[x], v[y], v[z]) - self.origin;
+        let [a, b, c] = [
+            relative(&corners[0]),
+            relative(&corners[1]),
+            relative(&corners[2]),
+        ];
+        let (ax, ay) = (a.x - self.shear.x * a.z, a.y - self.shear.y * a.z);
+        let (bx, by) = (b.x - self.shear.x * b.z, b.y - self.shear.y * b.z);
+        let (cx, cy) = (c.x - self.shear.x * c.z, c.y - self.shear.y * c.z);
         let mut u = cx * by - cy * bx;
         let mut v = ax * cy - ay * cx;
         let mut w = bx * ay - by * ax;
@@ -72,7 +88,7 @@ impl ShearedRay {
         if determinant == 0.0 {
             return None;
         }
-        let scaled_t = self.shear.z * (u * a[z] + v * b[z] + w * c[z]);
+        let scaled_t = self.shear.z * (u * a.z + v * b.z + w * c.z);
         let inverse = 1.0 / determinant;
         let t = scaled_t * inverse;
         (t > 0.0 && t <= t_max).then_some(TriangleHit {

@@ -12,7 +12,7 @@ pub struct Interface {
     pub cos_refracted: f32,
 }
 
-/// Fresnel's equations for unpolarised light ([PBR4] 9.3.5).
+/// Fresnel's equations for unpolarised light (\[PBR4\] 9.3.5).
 ///
 /// `cos` in [0, 1] is that of the incident direction; `eta` the index of the other side over the
 /// index of this side.

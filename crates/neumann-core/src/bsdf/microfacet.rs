@@ -16,7 +16,7 @@ pub struct Ggx {
 }
 
 /// Below this alpha a surface is treated as perfectly smooth: its lobe is narrower
-/// than single precision can evaluate ([PBR4] 9.6 draws the line at the same place).
+/// than single precision can evaluate (\[PBR4\] 9.6 draws the line at the same place).
 pub const SMOOTH_ALPHA: f32 = 1e-3;
 
 impl Ggx {

@@ -37,7 +37,7 @@ impl Ray {
 ///
 /// `error` bounds the rounding error of `p` along any axis, in metres; the
 /// point is moved along the geometric normal by what that error amounts to, so
-/// the offset grows and shrinks with the scene ([PBR4] 6.8.6 does the same with
+/// the offset grows and shrinks with the scene (\[PBR4\] 6.8.6 does the same with
 /// an error bound per axis).
 #[inline]
 #[must_use]

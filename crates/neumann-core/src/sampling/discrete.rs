@@ -77,7 +77,7 @@ impl AliasTable {
 /// A piecewise-constant density on [0, 1)², one constant for each cell of a grid.
 ///
 /// Inverts the marginal distribution of rows, then that of the columns of a
-/// row, so that well-distributed points stay so ([PBR4] A.4.2 and A.5.4).
+/// row, so that well-distributed points stay so (\[PBR4\] A.4.2 and A.5.4).
 #[derive(Clone, Debug)]
 pub struct Grid2 {
     n_columns: usize,

@@ -245,16 +245,34 @@ fn dress(
     (materials, lights, has_alpha)
 }
 
-/// A camera in front of the scene and a little above, far enough to see all of its bounding sphere.
+/// A camera in front of the scene and a little above, just far enough to see all of its bounds in a
+/// square picture.
 fn camera_for_bounds(min: Vec3, max: Vec3) -> CameraDescription {
     let yfov = 40f32.to_radians();
+    let slope = (0.5 * yfov).tan() / 1.1;
     let center = 0.5 * (min + max);
-    let radius = (0.5 * (max - min).length()).max(1e-6);
-    let direction = Vec3::new(0.35, 0.3, 1.0).normalize();
-    let eye = center + direction * (radius / (0.5 * yfov).sin());
+    let towards_eye = Vec3::new(0.35, 0.3, 1.0).normalize();
+    let axes = CameraDescription::looking_at(towards_eye, Vec3::ZERO, Vec3::Y);
+    let distance = (0..8)
+        .map(|i| {
+            let pick = |bit: usize, a: f32, b: f32| if i & bit == 0 { a } else { b };
+            let corner = Vec3::new(
+                pick(1, min.x, max.x),
+                pick(2, min.y, max.y),
+                pick(4, min.z, max.z),
+            ) - center;
+            let x = corner.dot(axes.x_axis.truncate()).abs();
+            let y = corner.dot(axes.y_axis.truncate()).abs();
+            x.max(y) / slope + corner.dot(towards_eye)
+        })
+        .fold(1e-6, f32::max);
     CameraDescription {
         name: "default".to_owned(),
-        world_from_camera: CameraDescription::looking_at(eye, center, Vec3::Y),
+        world_from_camera: CameraDescription::looking_at(
+            center + towards_eye * distance,
+            center,
+            Vec3::Y,
+        ),
         aspect_ratio: None,
         projection: Projection::Perspective { yfov },
         lens: None,

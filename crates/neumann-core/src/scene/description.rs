@@ -4,7 +4,7 @@
 //! (metres, right-handed, +Y up; angles in radians). Indices have been checked
 //! by whoever fills it in: every index points into the vector it names. Values
 //! may still be odd (zero-area triangles, non-finite positions, singular
-//! transforms); [`super::build`] leaves such things out and says so.
+//! transforms); building leaves such things out and says so.
 
 use glam::{Mat3, Mat4, Vec2, Vec3, Vec4};
 

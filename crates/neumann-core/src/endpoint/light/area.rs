@@ -173,7 +173,7 @@ impl AreaLight {
         }
     }
 
-    /// Density with which [`Self::start`] sends a ray along `direction`, 1/sr.
+    /// Density with which `start` sends a ray along `direction`, 1/sr.
     #[inline]
     #[must_use]
     pub fn pdf_w_start(&self, direction: Vec3) -> f32 {

@@ -94,7 +94,7 @@ impl EnvironmentLight {
         top.lerp(bottom, t) * self.intensity
     }
 
-    /// Density of `direction` in [`Self::aim`], 1/sr.
+    /// Density of `direction` in `aim`, 1/sr.
     #[must_use]
     pub fn pdf_w(&self, direction: Vec3) -> f32 {
         let uv = self.uv(direction);

@@ -338,7 +338,7 @@ impl App {
 
     fn take_dropped_files(&mut self, ctx: &Context) {
         let files = ctx.input(|i| i.raw.dropped_files.clone());
-        for path in files.iter().filter_map(|file| file.path.clone()) {
+        for path in files.iter().map(|file| file.path().to_owned()) {
             let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
             match extension.to_str() {
                 Some("hdr") => self.background.open_environment(path),

@@ -98,7 +98,7 @@ fn tile_of(
 ) {
     let p = Palette::of(ui);
     let view = view_at(is_sum, place, n_layers);
-    let response = ui.interact(tile, ui.id().with(("tile", is_sum, place)), Sense::click());
+    let response = ui.interact(tile, ui.scope_id().with(("tile", is_sum, place)), Sense::click());
     if response.clicked() {
         settings.view = view;
     }
@@ -218,7 +218,7 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
             pos2((left + pitch * place as f32).round(), rect.top()),
             pos2((left + pitch * (place + 1) as f32 - 4.0).round(), rect.bottom()),
         );
-        let response = ui.interact(chip, ui.id().with(("tile", is_sum, place)), Sense::click());
+        let response = ui.interact(chip, ui.scope_id().with(("tile", is_sum, place)), Sense::click());
         if response.clicked() {
             settings.view = view;
         }

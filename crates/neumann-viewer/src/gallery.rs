@@ -114,7 +114,7 @@ fn tile_of(
     is_chosen: bool,
 ) -> bool {
     let p = Palette::of(ui);
-    let response = ui.interact(tile, ui.id().with(("builtin", name)), Sense::click());
+    let response = ui.interact(tile, ui.scope_id().with(("builtin", name)), Sense::click());
     let painter = ui.painter();
     painter.rect_filled(tile, 4, if response.hovered() { p.hovered } else { p.raised });
     let image = Rect::from_min_max(tile.min, pos2(tile.right(), tile.bottom() - 24.0)).shrink(3.0);

@@ -9,7 +9,7 @@ use crate::theme::{self, GRID, Palette};
 pub fn show(ui: &Ui, is_open: &mut bool) {
     let p = Palette::of(ui);
     let window = ui.ctx().content_rect();
-    Area::new(Id::new("help"))
+    Area::new(Id::unique("help"))
         .order(Order::Foreground)
         .fixed_pos(window.min)
         .show(ui.ctx(), |ui| {

@@ -58,7 +58,7 @@ impl Notices {
             return;
         }
         let mut closed = None;
-        egui::Area::new(Id::new("notices"))
+        egui::Area::new(Id::unique("notices"))
             .anchor(
                 Align2::LEFT_BOTTOM,
                 egui::vec2(

@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     ui.painter().rect_filled(rect, 0, p.ground);
     let size = shown_size(app);
     let placement = Placement::new(rect, ui.pixels_per_point(), size, &app.viewing);
-    let response = ui.interact(rect, ui.id().with("picture"), Sense::click_and_drag());
+    let response = ui.interact(rect, ui.scope_id().with("picture"), Sense::click_and_drag());
     let caption = app.viewing.view.caption();
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("picture: {caption}")));
     take_pointer(ui, &response, rect, &placement, app);
@@ -219,7 +219,7 @@ fn wipe(ui: &Ui, rect: Rect, placement: &Placement, app: &mut App) {
         pos2(x + 6.0, placement.visible.bottom()),
     );
     let response = ui
-        .interact(grip, ui.id().with("wipe"), Sense::drag())
+        .interact(grip, ui.scope_id().with("wipe"), Sense::drag())
         .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
     response.widget_info(|| {
         WidgetInfo::slider(true, f64::from(app.viewing.wipe), "wipe between A and B")

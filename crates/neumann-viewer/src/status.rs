@@ -64,7 +64,7 @@ pub fn show(ui: &mut Ui, rect: Rect, status: &Status<'_>) {
         let line = Rect::from_min_size(rect.min, Vec2::new(rect.width() * done, 2.0));
         painter.rect_filled(line, 0, p.fill);
     }
-    let response = ui.interact(rect, ui.id().with("status"), egui::Sense::hover());
+    let response = ui.interact(rect, ui.scope_id().with("status"), egui::Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Status, true, spoken.trim_end()));
 }
 
@@ -135,7 +135,7 @@ fn badge(ui: &Ui, rect: Rect, bias: Option<&str>) -> f32 {
     ui.painter().rect_filled(plate, 4, p.amber);
     ui.painter()
         .text(plate.center(), Align2::CENTER_CENTER, "biased", font, p.on_amber);
-    let response = ui.interact(plate, ui.id().with("bias"), egui::Sense::hover());
+    let response = ui.interact(plate, ui.scope_id().with("bias"), egui::Sense::hover());
     let text = format!("biased: {bias}");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &text));
     response.on_hover_text(text);

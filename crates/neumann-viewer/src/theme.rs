@@ -125,12 +125,12 @@ pub fn sized(size: f32) -> FontId {
 /// True once [`install`] has been called and a frame has begun since.
 #[must_use]
 pub fn is_installed(ctx: &Context) -> bool {
-    ctx.data(|data| data.get_temp::<()>(Id::new(INSTALLED)).is_some())
+    ctx.data(|data| data.get_temp::<()>(Id::unique(INSTALLED)).is_some())
 }
 
 /// Sets typeface, styles and visuals of both themes; takes effect with the next frame.
 pub fn install(ctx: &Context) {
-    ctx.data_mut(|data| data.insert_temp(Id::new(INSTALLED), ()));
+    ctx.data_mut(|data| data.insert_temp(Id::unique(INSTALLED), ()));
     ctx.set_fonts(fonts());
     ctx.set_style_of(Theme::Dark, style(Theme::Dark));
     ctx.set_style_of(Theme::Light, style(Theme::Light));

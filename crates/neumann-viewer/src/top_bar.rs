@@ -36,7 +36,7 @@ fn scene_button(ui: &mut Ui, rect: Rect, app: &mut App) -> Rect {
     let galley = ui.painter().layout_job(job);
     let size = Vec2::new(galley.size().x + 5.0 * GRID, 28.0);
     let spot = Rect::from_min_size(pos2(rect.left(), rect.center().y - size.y / 2.0), size);
-    let response = ui.interact(spot, ui.id().with("scene"), egui::Sense::click());
+    let response = ui.interact(spot, ui.scope_id().with("scene"), egui::Sense::click());
     if response.hovered() {
         ui.painter().rect_filled(spot, 4, p.hovered);
     }
@@ -122,7 +122,7 @@ fn menu(ui: &mut Ui, room: Rect, app: &mut App) {
     let p = Palette::of(ui);
     let title = app.setup.method().title;
     let spot = Rect::from_center_size(room.center(), Vec2::new(room.width().min(160.0), 28.0));
-    let response = ui.interact(spot, ui.id().with("method menu"), egui::Sense::click());
+    let response = ui.interact(spot, ui.scope_id().with("method menu"), egui::Sense::click());
     let fill = if response.hovered() { p.hovered } else { p.raised };
     ui.painter().rect_filled(spot, 4, fill);
     let font = theme::body();
@@ -140,7 +140,7 @@ fn menu(ui: &mut Ui, room: Rect, app: &mut App) {
     if !app.is_menu_open {
         return;
     }
-    let area = Area::new(Id::new("methods"))
+    let area = Area::new(Id::unique("methods"))
         .order(Order::Foreground)
         .fixed_pos(pos2(spot.center().x - 140.0, spot.bottom() + 4.0))
         .show(ui.ctx(), |ui| {

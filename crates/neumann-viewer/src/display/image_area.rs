@@ -133,11 +133,12 @@ pub fn zoom(settings: &mut ViewSettings, placement: &Placement, factor: f32, anc
         settings.center = [0.5, 0.5];
         return;
     }
-    for ((center, anchor), old_center) in settings.center.iter_mut().zip(anchor).zip(
-        if settings.zoom.is_some() { settings.center } else { [0.5, 0.5] },
-    ) {
-        *center = (anchor + (old_center - anchor) * old / new).clamp(0.0, 1.0);
-    }
+    let from = if settings.zoom.is_some() {
+        settings.center
+    } else {
+        [0.5, 0.5]
+    };
+    settings.center = [0, 1].map(|i| (anchor[i] + (from[i] - anchor[i]) * old / new).clamp(0.0, 1.0));
     settings.zoom = Some(new);
 }
 

@@ -26,7 +26,7 @@ pub enum Slot {
 }
 
 /// Number of [`Slot`]s.
-pub const N_SLOTS: usize = 5;
+pub(super) const N_SLOTS: usize = 5;
 
 /// One picture.
 #[derive(Clone, Debug, Default)]

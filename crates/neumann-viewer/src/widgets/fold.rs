@@ -11,7 +11,7 @@ pub fn fold(ui: &mut Ui, name: &str, is_open_at_first: bool) -> bool {
     super::rule(ui);
     let size = Vec2::new(ui.available_width(), 28.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    let key = ui.id().with(("fold", name));
+    let key = ui.scope_id().with(("fold", name));
     let mut is_open = ui.data(|d| d.get_temp(key)).unwrap_or(is_open_at_first);
     if response.clicked() {
         is_open = !is_open;

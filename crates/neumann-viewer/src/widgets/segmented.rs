@@ -41,7 +41,7 @@ fn row_of_segments(
     for (i, (label, width)) in labels.iter().zip(widths).enumerate() {
         let segment = Rect::from_min_size(pos2(x, rect.top() + 2.0), Vec2::new(*width, ROW));
         x += width;
-        let id = ui.id().with((name, i));
+        let id = ui.scope_id().with((name, i));
         let response = ui.interact(segment, id, Sense::click());
         let is_chosen = i == chosen;
         if is_chosen {
@@ -87,7 +87,7 @@ pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize) -> Option<usize> {
         x = rect.right() + 2.0 * GRID;
         let response = ui.interact(
             rect.expand2(Vec2::new(GRID / 2.0, 0.0)),
-            ui.id().with(("tab", i)),
+            ui.scope_id().with(("tab", i)),
             Sense::click(),
         );
         let is_chosen = i == chosen;

@@ -75,7 +75,7 @@ impl<'a> Slider<'a> {
         let before = *value;
         let size = Vec2::new(ui.available_width(), 34.0);
         let (rect, hover) = ui.allocate_exact_size(size, Sense::hover());
-        let id = ui.id().with(("slider", self.name));
+        let id = ui.scope_id().with(("slider", self.name));
         let track = Rect::from_min_max(pos2(rect.left(), rect.bottom() - 14.0), rect.max);
         let mut response = ui
             .interact(track, id, Sense::click_and_drag())
@@ -177,7 +177,7 @@ impl<'a> Slider<'a> {
 
     fn reset_button(&self, ui: &Ui, spot: Rect, value: &mut f64) {
         let p = Palette::of(ui);
-        let id = ui.id().with(("reset", self.name));
+        let id = ui.scope_id().with(("reset", self.name));
         let reset = ui.interact(spot, id, Sense::click());
         let color = if reset.hovered() { p.strong } else { p.weak };
         super::Icon::Restart.paint(ui.painter(), spot.center(), color);
@@ -223,7 +223,7 @@ impl<'a> Slider<'a> {
         };
         let field = TextEdit::singleline(&mut text)
             .id(id.with("field"))
-            .horizontal_align(egui::Align::RIGHT)
+            .align(Align2::RIGHT_CENTER)
             .margin(egui::Margin::symmetric(4, 0))
             .font(theme::body());
         let response = ui.put(rect, field).accessible_name(self.name);

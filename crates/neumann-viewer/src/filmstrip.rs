@@ -116,7 +116,7 @@ fn tile_of(
     let room = if has_text_below {
         Vec2::new(inner.width(), inner.height() - 20.0 - bar_height)
     } else {
-        Vec2::new(inner.width() - 56.0, inner.height() - bar_height - 2.0)
+        Vec2::new(inner.width() - 60.0, inner.height() - bar_height - 2.0)
     };
     let size = if room.x / room.y > aspect {
         Vec2::new(room.y * aspect, room.y)

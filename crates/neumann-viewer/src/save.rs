@@ -132,7 +132,7 @@ fn film_of(app: &App) -> Option<(Film, Metadata)> {
 
 /// A name that says what is in the file, in the folder where the program was started.
 fn path_of(app: &App, what: &str, extension: &str) -> PathBuf {
-    let scene = app.setup.open.as_ref().map_or("scene", |open| open.scene.name());
+    let scene = app.setup.open.as_ref().map_or("scene", |open| open.short_name());
     let safe: String = format!("{scene}-{what}-{}", app.setup.method().id)
         .chars()
         .map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' })

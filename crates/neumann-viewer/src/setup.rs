@@ -22,6 +22,15 @@ pub struct OpenScene {
     pub camera: usize,
 }
 
+impl OpenScene {
+    /// What it is called in a bar or a file name: the built-in name, or the file's stem.
+    #[must_use]
+    pub fn short_name(&self) -> &str {
+        let stem = std::path::Path::new(&self.source).file_stem();
+        stem.and_then(|s| s.to_str()).unwrap_or(&self.source)
+    }
+}
+
 /// Everything that determines the picture.
 pub struct Setup {
     /// The scene; `None` until the first one has been opened.

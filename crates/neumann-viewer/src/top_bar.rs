@@ -30,7 +30,7 @@ fn scene_button(ui: &mut Ui, rect: Rect, app: &mut App) -> Rect {
         .setup
         .open
         .as_ref()
-        .map_or("no scene", |open| open.scene.name());
+        .map_or("no scene", |open| open.short_name());
     let mut job = egui::text::LayoutJob::simple_singleline(name.to_owned(), theme::semibold(), p.text);
     job.wrap = egui::text::TextWrapping::truncate_at_width(160.0);
     let galley = ui.painter().layout_job(job);

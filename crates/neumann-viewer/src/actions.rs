@@ -87,7 +87,8 @@ impl App {
         match action {
             Action::Exposure(thirds) => {
                 viewing.is_auto = false;
-                viewing.exposure_ev = (viewing.exposure_ev + thirds as f32 / 3.0).clamp(-24.0, 24.0);
+                viewing.exposure_ev =
+                    (viewing.exposure_ev + thirds as f32 / 3.0).clamp(-24.0, 24.0);
             }
             Action::AutoExposure => {
                 viewing.is_auto = !viewing.is_auto;
@@ -127,7 +128,8 @@ impl App {
                     viewing.is_wiping = false;
                 } else {
                     self.page = Page::Display;
-                    let text = "No reference to hold the picture against; load one on the page Display";
+                    let text =
+                        "No reference to hold the picture against; load one on the page Display";
                     self.notices.failure(text);
                 }
             }

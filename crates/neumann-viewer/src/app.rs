@@ -143,7 +143,8 @@ impl App {
     /// Begins to open a scene; the present one stays until it is there, and if it never is.
     pub fn open_scene(&mut self, source: String) {
         self.loading = Some(source.clone());
-        self.background.open_scene(source, self.options.allow_outside);
+        self.background
+            .open_scene(source, self.options.allow_outside);
     }
 
     /// Takes over a scene that is ready.
@@ -205,7 +206,8 @@ impl App {
         if !self.is_bare {
             let top = Rect::from_min_max(window.min, pos2(window.right(), window.top() + TOP));
             top_bar::show(ui, top, self);
-            let bottom = Rect::from_min_max(pos2(window.left(), window.bottom() - STATUS), window.max);
+            let bottom =
+                Rect::from_min_max(pos2(window.left(), window.bottom() - STATUS), window.max);
             let strip_top = bottom.top() - filmstrip::height(window.size());
             let strip = Rect::from_min_max(
                 pos2(window.left(), strip_top),
@@ -224,7 +226,10 @@ impl App {
                 pos2(panel.left(), strip.top()),
             );
         }
-        debug_assert!(n_draws <= crate::display::MAX_DRAWS, "room for all draw calls");
+        debug_assert!(
+            n_draws <= crate::display::MAX_DRAWS,
+            "room for all draw calls"
+        );
         self.follow_size(&ctx, stage_rect);
         stage::show(ui, stage_rect, self);
         self.notices.show(&ctx, stage_rect);
@@ -242,7 +247,8 @@ impl App {
         let (Some(settings), Some(open)) = (self.setup.settings(), &self.setup.open) else {
             return;
         };
-        self.link.start(Arc::clone(&open.scene), settings, self.setup.stop);
+        self.link
+            .start(Arc::clone(&open.scene), settings, self.setup.stop);
         self.setup.is_changed = false;
     }
 

@@ -37,7 +37,11 @@ impl CameraControl {
             target: Vec3::ZERO,
             up: Vec3::Y,
             radius: if radius.is_finite() { radius } else { 1.0 },
-            center: if center.is_finite() { center } else { Vec3::ZERO },
+            center: if center.is_finite() {
+                center
+            } else {
+                Vec3::ZERO
+            },
         };
         control.adopt();
         control
@@ -109,9 +113,7 @@ impl CameraControl {
     /// in picture heights.
     pub fn pan(&mut self, shift: Vec2) {
         let height = match self.camera.projection {
-            Projection::Perspective { yfov } => {
-                2.0 * self.distance() * (yfov * 0.5).tan()
-            }
+            Projection::Perspective { yfov } => 2.0 * self.distance() * (yfov * 0.5).tan(),
             Projection::Orthographic { ymag } => 2.0 * ymag,
         };
         let up = self.right().cross(self.forward());
@@ -203,7 +205,11 @@ impl CameraControl {
         self.target = self.eye + forward * distance;
         // Nearly level cameras orbit about the vertical; others about their own up.
         let own_up = m.y_axis.truncate().normalize_or(Vec3::Y);
-        self.up = if own_up.dot(Vec3::Y) > 0.02 { Vec3::Y } else { own_up };
+        self.up = if own_up.dot(Vec3::Y) > 0.02 {
+            Vec3::Y
+        } else {
+            own_up
+        };
     }
 
     fn forward(&self) -> Vec3 {
@@ -228,8 +234,7 @@ impl CameraControl {
     fn rebuild(&mut self) {
         let (right, forward) = (self.right(), self.forward());
         let axes = Mat3::from_cols(right, right.cross(forward), -forward);
-        self.camera.world_from_camera =
-            Mat4::from_translation(self.eye) * Mat4::from_mat3(axes);
+        self.camera.world_from_camera = Mat4::from_translation(self.eye) * Mat4::from_mat3(axes);
     }
 }
 
@@ -248,7 +253,10 @@ mod tests {
             projection: Projection::Perspective { yfov: 0.7 },
             lens: None,
         };
-        CameraControl::new(camera, (Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0)))
+        CameraControl::new(
+            camera,
+            (Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0)),
+        )
     }
 
     #[test]

@@ -41,28 +41,53 @@ pub fn show(
 ) -> usize {
     let p = Palette::of(ui);
     ui.painter().rect_filled(rect, 0, p.panel);
-    ui.painter().hline(rect.x_range(), rect.top(), (1.0, p.line));
+    ui.painter()
+        .hline(rect.x_range(), rect.top(), (1.0, p.line));
     let window = ui.ctx().content_rect().size();
     let n_layers = picture.shares.len().saturating_sub(1).max(1);
-    let n_layers = if picture.shares.is_empty() { 8 } else { n_layers };
+    let n_layers = if picture.shares.is_empty() {
+        8
+    } else {
+        n_layers
+    };
     if is_folded(window) {
-        chips(ui, rect.shrink2(Vec2::new(2.0 * GRID, GRID)), picture, settings, n_layers);
+        chips(
+            ui,
+            rect.shrink2(Vec2::new(2.0 * GRID, GRID)),
+            picture,
+            settings,
+            n_layers,
+        );
         return first_draw;
     }
     let mut next_draw = first_draw;
     let row_height = row_height(window);
     for (row, is_sum) in [(0.0, false), (1.0, true)] {
         let top = rect.top() + GRID + row * (row_height + GRID);
-        row_name(ui, pos2(rect.left() + 2.0 * GRID, top + row_height / 2.0), is_sum);
+        row_name(
+            ui,
+            pos2(rect.left() + 2.0 * GRID, top + row_height / 2.0),
+            is_sum,
+        );
         let left = rect.left() + MARGIN;
         let room = rect.right() - 2.0 * GRID - left;
         let pitch = (room + GRID) / (n_layers + 1) as f32;
         for place in 0..=n_layers {
             let tile = Rect::from_min_max(
                 pos2((left + pitch * place as f32).round(), top),
-                pos2((left + pitch * (place + 1) as f32 - GRID).round(), top + row_height),
+                pos2(
+                    (left + pitch * (place + 1) as f32 - GRID).round(),
+                    top + row_height,
+                ),
             );
-            tile_of(ui, tile, picture, settings, (is_sum, place, n_layers), next_draw);
+            tile_of(
+                ui,
+                tile,
+                picture,
+                settings,
+                (is_sum, place, n_layers),
+                next_draw,
+            );
             next_draw += 1;
         }
     }
@@ -98,12 +123,20 @@ fn tile_of(
 ) {
     let p = Palette::of(ui);
     let view = view_at(is_sum, place, n_layers);
-    let response = ui.interact(tile, ui.scope_id().with(("tile", is_sum, place)), Sense::click());
+    let response = ui.interact(
+        tile,
+        ui.scope_id().with(("tile", is_sum, place)),
+        Sense::click(),
+    );
     if response.clicked() {
         settings.view = view;
     }
     let is_chosen = settings.view == view;
-    let fill = if response.hovered() { p.hovered } else { p.raised };
+    let fill = if response.hovered() {
+        p.hovered
+    } else {
+        p.raised
+    };
     let painter = ui.painter().with_clip_rect(tile.expand(2.0));
     painter.rect_filled(tile, 4, fill);
     let inner = tile.shrink(3.0);
@@ -127,7 +160,10 @@ fn tile_of(
         let center = pos2(inner.center().x, inner.top() + room.y / 2.0);
         Rect::from_center_size(center, size)
     } else {
-        Rect::from_min_size(pos2(inner.left(), inner.top() + (room.y - size.y) / 2.0), size)
+        Rect::from_min_size(
+            pos2(inner.left(), inner.top() + (room.y - size.y) / 2.0),
+            size,
+        )
     };
     let image = Rect::from_min_max(image.min.round(), image.max.round());
     painter.rect_filled(image, 0, egui::Color32::BLACK);
@@ -172,7 +208,10 @@ fn tile_of(
         let at = pos2(x, inner.center().y + 8.0);
         painter.text(at, Align2::LEFT_CENTER, share_text, theme::small(), p.weak);
     }
-    let track = Rect::from_min_max(pos2(tile.left() + 3.0, tile.bottom() - 4.0), tile.max - Vec2::new(3.0, 2.0));
+    let track = Rect::from_min_max(
+        pos2(tile.left() + 3.0, tile.bottom() - 4.0),
+        tile.max - Vec2::new(3.0, 2.0),
+    );
     painter.rect_filled(track, 1, p.line);
     let width = track.width() * share.unwrap_or(0.0).clamp(0.0, 1.0) as f32;
     let filled = Rect::from_min_size(track.min, Vec2::new(width, track.height()));
@@ -190,7 +229,9 @@ fn name_for_ears(response: &egui::Response, view: View, is_chosen: bool, share: 
         WidgetInfo::selected(Role::RadioButton, true, is_chosen, formula::spoken(view))
     });
     response.ctx.accesskit_node_builder(response.id, |node| {
-        let share = share.map_or_else(String::new, |s| format!(", {:.1} % of the energy", 100.0 * s));
+        let share = share.map_or_else(String::new, |s| {
+            format!(", {:.1} % of the energy", 100.0 * s)
+        });
         node.set_description(format!("{}{share}", view.caption()));
     });
 }
@@ -203,9 +244,10 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
     let width = segmented_width(ui, &labels);
     let switch = Rect::from_min_size(rect.min, Vec2::new(width, rect.height()));
     let clicked = ui
-        .scope_builder(egui::UiBuilder::new().max_rect(switch).id_salt("row"), |ui| {
-            segmented(ui, "row", &labels, usize::from(is_sum))
-        })
+        .scope_builder(
+            egui::UiBuilder::new().max_rect(switch).id_salt("row"),
+            |ui| segmented(ui, "row", &labels, usize::from(is_sum)),
+        )
         .inner;
     if let Some(row) = clicked {
         settings.choose(row == 1, place, n_layers);
@@ -216,14 +258,25 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
         let view = view_at(is_sum, place, n_layers);
         let chip = Rect::from_min_max(
             pos2((left + pitch * place as f32).round(), rect.top()),
-            pos2((left + pitch * (place + 1) as f32 - 4.0).round(), rect.bottom()),
+            pos2(
+                (left + pitch * (place + 1) as f32 - 4.0).round(),
+                rect.bottom(),
+            ),
         );
-        let response = ui.interact(chip, ui.scope_id().with(("tile", is_sum, place)), Sense::click());
+        let response = ui.interact(
+            chip,
+            ui.scope_id().with(("tile", is_sum, place)),
+            Sense::click(),
+        );
         if response.clicked() {
             settings.view = view;
         }
         let is_chosen = settings.view == view;
-        let fill = if response.hovered() { p.hovered } else { p.raised };
+        let fill = if response.hovered() {
+            p.hovered
+        } else {
+            p.raised
+        };
         let painter = ui.painter().with_clip_rect(chip);
         painter.rect_filled(chip, 4, fill);
         let share = picture.share(view);

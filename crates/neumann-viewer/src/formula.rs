@@ -105,7 +105,12 @@ impl Formula {
             bottom = bottom.max(y + galley.size().y);
             pieces.push((Vec2::new(x, y), galley));
             // Scripts stand a little apart from what follows them.
-            x += width + if *place == Place::Line { 0.0 } else { size * 0.05 };
+            x += width
+                + if *place == Place::Line {
+                    0.0
+                } else {
+                    size * 0.05
+                };
         }
         Self {
             pieces,

@@ -3,7 +3,10 @@
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use egui::{Color32, ColorImage, Rect, Role, Sense, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2};
+use egui::{
+    Color32, ColorImage, Rect, Role, Sense, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo,
+    pos2,
+};
 use neumann_core::film::Film;
 use neumann_core::render::{CancelToken, RenderSettings, Renderer, WorkerPool};
 use neumann_core::scene::Scene;
@@ -92,7 +95,8 @@ pub fn show(ui: &mut Ui, app: &mut App) {
         for (column, builtin) in pair.iter().enumerate() {
             let i = 2 * row + column;
             let left = rect.left() + column as f32 * (width + GRID);
-            let tile = Rect::from_min_size(pos2(left.round(), rect.top()), Vec2::new(width, height));
+            let tile =
+                Rect::from_min_size(pos2(left.round(), rect.top()), Vec2::new(width, height));
             let is_chosen = open.as_deref() == Some(builtin.name);
             let picture = app.gallery.pictures.get(i).and_then(Option::as_ref);
             if tile_of(ui, tile, (builtin.name, builtin.about), picture, is_chosen) {
@@ -116,7 +120,15 @@ fn tile_of(
     let p = Palette::of(ui);
     let response = ui.interact(tile, ui.scope_id().with(("builtin", name)), Sense::click());
     let painter = ui.painter();
-    painter.rect_filled(tile, 4, if response.hovered() { p.hovered } else { p.raised });
+    painter.rect_filled(
+        tile,
+        4,
+        if response.hovered() {
+            p.hovered
+        } else {
+            p.raised
+        },
+    );
     let image = Rect::from_min_max(tile.min, pos2(tile.right(), tile.bottom() - 24.0)).shrink(3.0);
     painter.rect_filled(image, 2, p.ground);
     if let Some(texture) = picture {
@@ -149,11 +161,18 @@ fn render_all(sender: &Sender<(usize, ColorImage)>, wake: &dyn Fn(), cancel: &Mu
     let Ok(pool) = WorkerPool::new(Some(1), crate::render_link::yield_to_renderer) else {
         return;
     };
-    let token = cancel.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    let token = cancel
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .clone();
     for (i, builtin) in BUILTINS.iter().enumerate() {
-        let Ok(description) = builtin.load() else { continue };
+        let Ok(description) = builtin.load() else {
+            continue;
+        };
         let scene = Arc::new(pool.run(|| Scene::build(&description)));
-        let Some(camera) = scene.cameras().first().cloned() else { continue };
+        let Some(camera) = scene.cameras().first().cloned() else {
+            continue;
+        };
         let mut settings = RenderSettings::new(camera, EDGE, EDGE);
         settings.n_layers = 1;
         let mut renderer = Renderer::new(scene, settings, pool.clone(), 0);

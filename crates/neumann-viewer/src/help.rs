@@ -33,13 +33,7 @@ pub fn show(ui: &Ui, is_open: &mut bool) {
                 n_rows * row + 4.0 * GRID,
             );
             let plate = Rect::from_center_size(window.center(), size.min(window.size()));
-            painter.rect(
-                plate,
-                8,
-                p.panel,
-                (1.0, p.line),
-                egui::StrokeKind::Inside,
-            );
+            painter.rect(plate, 8, p.panel, (1.0, p.line), egui::StrokeKind::Inside);
             let mut spoken = String::new();
             for (i, column) in columns.iter().enumerate() {
                 let x = plate.left() + 3.0 * GRID + column_width * i as f32;
@@ -61,7 +55,11 @@ pub fn show(ui: &Ui, is_open: &mut bool) {
                         );
                         let height = wide.size().y;
                         let n_lines = (height / 14.0).round().max(1.0);
-                        let top = if n_lines > 1.0 { y + 3.0 } else { text.y - height / 2.0 };
+                        let top = if n_lines > 1.0 {
+                            y + 3.0
+                        } else {
+                            text.y - height / 2.0
+                        };
                         painter.galley(pos2(text.x, top), wide, p.weak);
                         y += row + (n_lines - 1.0) * 14.0;
                         spoken.push_str(&format!("{}: {}; ", line.keys, line.text));
@@ -91,7 +89,9 @@ fn columns<'a>(groups: &[&'a str], n_columns: usize) -> Vec<Vec<&'a str>> {
     let mut columns: Vec<Vec<&str>> = vec![Vec::new()];
     for group in groups {
         let is_last = columns.len() == n_columns;
-        let Some(column) = columns.last_mut() else { break };
+        let Some(column) = columns.last_mut() else {
+            break;
+        };
         let mut longer = column.clone();
         longer.push(group);
         if !column.is_empty() && n_rows(&longer) > target + 2 && !is_last {

@@ -77,7 +77,9 @@ pub fn measure(options: ViewOptions, plan: Plan) -> Result<Report, ViewError> {
         let mut link = RenderLink::live(threads, || {}).map_err(ViewError::Other)?;
         link.start(job.scene, job.settings, job.stop);
         std::thread::sleep(Duration::from_secs(2));
-        report.without_window = rate(plan.quiet, || link.read(|p| (p.divisor, p.stats.n_iterations)));
+        report.without_window = rate(plan.quiet, || {
+            link.read(|p| (p.divisor, p.stats.n_iterations))
+        });
     }
     Ok(report)
 }
@@ -169,8 +171,19 @@ impl Latencies {
         let (i, n) = (self.n_sent, self.plan.n_steps);
         self.n_sent += 1;
         if i < n {
-            let keys = [Key::Num1, Key::Num2, Key::L, Key::Num4, Key::Num0, Key::Num3];
-            let modifiers = if i % 4 == 3 { Modifiers::SHIFT } else { Modifiers::NONE };
+            let keys = [
+                Key::Num1,
+                Key::Num2,
+                Key::L,
+                Key::Num4,
+                Key::Num0,
+                Key::Num3,
+            ];
+            let modifiers = if i % 4 == 3 {
+                Modifiers::SHIFT
+            } else {
+                Modifiers::NONE
+            };
             for pressed in [true, false] {
                 input.events.push(Input::Key {
                     key: keys[i as usize % keys.len()],
@@ -240,6 +253,9 @@ fn percentiles(times: &[Duration]) -> [f64; 2] {
     times.sort_by(f64::total_cmp);
     [0.5, 0.95].map(|p| {
         let index = (times.len() as f64 * p) as usize;
-        times.get(index.min(times.len().saturating_sub(1))).copied().unwrap_or(f64::NAN)
+        times
+            .get(index.min(times.len().saturating_sub(1)))
+            .copied()
+            .unwrap_or(f64::NAN)
     })
 }

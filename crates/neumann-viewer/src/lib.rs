@@ -30,11 +30,11 @@ pub mod scene_source;
 pub mod setup;
 pub mod stage;
 pub mod status;
+mod surface;
 pub mod theme;
 pub mod top_bar;
 pub mod widgets;
 mod window;
-mod surface;
 
 pub use options::{CameraOptions, EnvironmentOptions, Screenshot, ViewError, ViewOptions};
 

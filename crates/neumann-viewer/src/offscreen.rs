@@ -10,7 +10,7 @@ use crate::app::App;
 use crate::display::FilmGpu;
 use crate::options::{Screenshot, ViewError, ViewOptions};
 use crate::render_link::RenderLink;
-use crate::surface::{device, draw};
+use crate::surface::{device, draw, free_textures, update_textures};
 
 /// A frame whose scene or iterations have not come by then is drawn as it is.
 const PATIENCE: Duration = Duration::from_secs(600);
@@ -60,15 +60,20 @@ impl Canvas {
     fn draw_when_ready(&mut self, app: &mut App, shot: &Screenshot) -> Result<Pixels8, ViewError> {
         let ctx = Context::default();
         crate::theme::install(&ctx);
-        ctx.set_theme(if shot.light_theme { Theme::Light } else { Theme::Dark });
+        ctx.set_theme(if shot.light_theme {
+            Theme::Light
+        } else {
+            Theme::Dark
+        });
         let start = Instant::now();
         loop {
             let output = self.lay_out(&ctx, app);
-            self.take_textures(output, &ctx);
+            self.take_textures(output);
             let is_there = app.is_current()
                 && app.picture.divisor == 1
                 && app.picture.stats.n_iterations >= shot.after_iterations.max(1);
-            if is_there || (app.picture.is_there() && app.picture.stats.is_done && app.is_current()) {
+            if is_there || (app.picture.is_there() && app.picture.stats.is_done && app.is_current())
+            {
                 break;
             }
             let is_hopeless = app.setup.open.is_none() && !app.is_loading();
@@ -85,7 +90,7 @@ impl Canvas {
         app.link.pause(true);
         for _ in 0..2 {
             let output = self.lay_out(&ctx, app);
-            self.take_textures(output, &ctx);
+            self.take_textures(output);
         }
         app.link.pause(false);
         let output = self.lay_out(&ctx, app);
@@ -104,16 +109,10 @@ impl Canvas {
         ctx.run_ui(input, |ui| app.ui(ui))
     }
 
-    fn take_textures(&mut self, mut output: FullOutput, _: &Context) {
-        for (id, deltas) in output.textures_delta.set.drain() {
-            for delta in deltas {
-                self.renderer
-                    .update_texture(&self.device, &self.queue, id, &delta);
-            }
-        }
-        for id in output.textures_delta.free.drain() {
-            self.renderer.free_texture(&id);
-        }
+    fn take_textures(&mut self, mut output: FullOutput) {
+        let delta = &mut output.textures_delta;
+        update_textures(&mut self.renderer, &self.device, &self.queue, delta);
+        free_textures(&mut self.renderer, delta);
     }
 
     fn render(&mut self, ctx: &Context, mut output: FullOutput) -> Result<Pixels8, ViewError> {
@@ -124,7 +123,7 @@ impl Canvas {
         };
         let shapes = std::mem::take(&mut output.shapes);
         let jobs = ctx.tessellate(shapes, output.pixels_per_point);
-        self.take_textures(output, ctx);
+        self.take_textures(output);
         let extent = wgpu::Extent3d {
             width,
             height,

@@ -91,10 +91,14 @@ pub struct EnvironmentOptions {
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
     /// There is no display to open a window on.
-    #[error("no display to open a window on ({0}); set DISPLAY or WAYLAND_DISPLAY, or use 'neumann render' or 'neumann series'")]
+    #[error(
+        "no display to open a window on ({0}); set DISPLAY or WAYLAND_DISPLAY, or use 'neumann render' or 'neumann series'"
+    )]
     NoDisplay(String),
     /// There is no graphics adapter, not even a software one.
-    #[error("no graphics adapter ({0}); install a Vulkan driver (on Debian a software one is in mesa-vulkan-drivers), or use 'neumann render' or 'neumann series'")]
+    #[error(
+        "no graphics adapter ({0}); install a Vulkan driver (on Debian a software one is in mesa-vulkan-drivers), or use 'neumann render' or 'neumann series'"
+    )]
     NoAdapter(String),
     /// Something else.
     #[error("{0}")]

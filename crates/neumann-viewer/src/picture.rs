@@ -132,7 +132,9 @@ impl Picture {
         let slot = if which == 0 { Slot::HeldA } else { Slot::HeldB };
         let mean = mean_of(&self.thumbnail(view));
         link.read(|published| {
-            self.planes.lock().put_view(slot, &published.film, view, mean);
+            self.planes
+                .lock()
+                .put_view(slot, &published.film, view, mean);
         });
         if let Some(held) = self.held.get_mut(which) {
             *held = Some(Held { view, label });
@@ -141,7 +143,9 @@ impl Picture {
 
     /// Takes over a reference to hold the picture against.
     pub fn set_reference(&mut self, name: String, size: (usize, usize), pixels: &[Rgb]) {
-        self.planes.lock().put(Slot::Reference, size.0, size.1, pixels);
+        self.planes
+            .lock()
+            .put(Slot::Reference, size.0, size.1, pixels);
         self.reference = Some(name);
     }
 

@@ -29,7 +29,10 @@ impl Reading {
         let variance = film.variance_of_mean(index);
         // Channels are correlated; this takes them as moving together, which is the safe side.
         let weights = Rgb::new(0.2126, 0.7152, 0.0722);
-        let deviation = (variance.map(f32::sqrt) * weights).to_array().iter().sum::<f32>();
+        let deviation = (variance.map(f32::sqrt) * weights)
+            .to_array()
+            .iter()
+            .sum::<f32>();
         let is_known = film.n_iterations() > 1 && total > 0.0;
         Self {
             pixel: (x * divisor, y * divisor),
@@ -49,7 +52,10 @@ impl Reading {
             format!("{}  {}  {}", number(r), number(g), number(b)),
         ];
         lines.push(match self.relative_error {
-            Some(error) => format!("W m⁻² sr⁻¹  ± {} % of L", significant(f64::from(100.0 * error), 2)),
+            Some(error) => format!(
+                "W m⁻² sr⁻¹  ± {} % of L",
+                significant(f64::from(100.0 * error), 2)
+            ),
             None => "W m⁻² sr⁻¹".to_owned(),
         });
         lines

@@ -18,7 +18,10 @@ pub struct RenderLink {
 
 enum End {
     Live(Box<RenderLoop>),
-    Fixed { published: Box<Published>, is_paused: bool },
+    Fixed {
+        published: Box<Published>,
+        is_paused: bool,
+    },
 }
 
 impl RenderLink {

@@ -6,7 +6,9 @@ use egui::{Color32, ColorImage, Context};
 use neumann_core::film::{Film, View};
 use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
-use neumann_picture::exr_file::{IterationRanges, Metadata, camera_text, environment_text, write_exr};
+use neumann_picture::exr_file::{
+    IterationRanges, Metadata, camera_text, environment_text, write_exr,
+};
 use neumann_picture::png_file::{Pixels8, write_png};
 
 use crate::app::App;
@@ -60,7 +62,10 @@ pub fn copy(app: &mut App, ctx: &Context) {
         let [r, g, b] = display.srgb8(*p);
         Color32::from_rgb(r, g, b)
     });
-    ctx.copy_image(ColorImage::new([image.width, image.height], pixels.collect()));
+    ctx.copy_image(ColorImage::new(
+        [image.width, image.height],
+        pixels.collect(),
+    ));
     app.notices.remark(ctx, "Copied the picture");
 }
 
@@ -132,10 +137,20 @@ fn film_of(app: &App) -> Option<(Film, Metadata)> {
 
 /// A name that says what is in the file, in the folder where the program was started.
 fn path_of(app: &App, what: &str, extension: &str) -> PathBuf {
-    let scene = app.setup.open.as_ref().map_or("scene", |open| open.short_name());
+    let scene = app
+        .setup
+        .open
+        .as_ref()
+        .map_or("scene", |open| open.short_name());
     let safe: String = format!("{scene}-{what}-{}", app.setup.method().id)
         .chars()
-        .map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' })
+        .map(|c| {
+            if c.is_ascii_alphanumeric() || c == '-' {
+                c
+            } else {
+                '_'
+            }
+        })
         .collect();
     let n = app.picture.stats.n_iterations;
     PathBuf::from(format!("{safe}-{n}.{extension}"))

@@ -181,8 +181,7 @@ impl Setup {
         if let Some(intensity) = options.intensity {
             appearance.environment_level.brightness = intensity;
         }
-        if let (Some(rotation), Some(environment)) =
-            (options.rotation, &mut appearance.environment)
+        if let (Some(rotation), Some(environment)) = (options.rotation, &mut appearance.environment)
         {
             Arc::make_mut(environment).rotation = rotation.to_radians();
         }

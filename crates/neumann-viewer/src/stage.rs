@@ -39,8 +39,13 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
         } else {
             "no scene"
         };
-        ui.painter()
-            .text(rect.center(), Align2::CENTER_CENTER, text, theme::body(), p.weak);
+        ui.painter().text(
+            rect.center(),
+            Align2::CENTER_CENTER,
+            text,
+            theme::body(),
+            p.weak,
+        );
         return;
     }
     let pictures = pictures(app);
@@ -56,7 +61,13 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     if placement.magnification > 16.0 && pictures == Pictures::One(Slot::Live) {
         let exposure = app.viewing.exposure_ev.exp2();
         app.link.read(|published| {
-            values::show(&painter, &placement, &published.film, app.viewing.view, exposure);
+            values::show(
+                &painter,
+                &placement,
+                &published.film,
+                app.viewing.view,
+                exposure,
+            );
         });
     }
     if let Pictures::Wipe(..) = pictures {
@@ -113,10 +124,9 @@ pub fn label_of(app: &App) -> String {
 /// picture is of something older, its own.
 fn shown_size(app: &App) -> (usize, usize) {
     if app.is_current() && app.setup.size != (0, 0) && app.link.started().is_some() {
-        return app
-            .link
-            .started()
-            .map_or(app.setup.size, |job| (job.settings.width, job.settings.height));
+        return app.link.started().map_or(app.setup.size, |job| {
+            (job.settings.width, job.settings.height)
+        });
     }
     let (w, h) = app.picture.size;
     (w * app.picture.divisor, h * app.picture.divisor)
@@ -126,7 +136,11 @@ fn pictures(app: &App) -> Pictures {
     if app.viewing.is_difference && app.picture.reference.is_some() {
         Pictures::Difference(Slot::Live, Slot::Reference)
     } else if app.viewing.is_wiping && app.picture.held[0].is_some() {
-        let right = if app.picture.held[1].is_some() { Slot::HeldB } else { Slot::Live };
+        let right = if app.picture.held[1].is_some() {
+            Slot::HeldB
+        } else {
+            Slot::Live
+        };
         Pictures::Wipe(Slot::HeldA, right)
     } else {
         Pictures::One(Slot::Live)
@@ -161,7 +175,9 @@ fn take_pointer(ui: &Ui, response: &Response, rect: Rect, placement: &Placement,
         ];
         return;
     }
-    let Some(control) = &mut app.setup.camera else { return };
+    let Some(control) = &mut app.setup.camera else {
+        return;
+    };
     let unit = rect.height().max(1.0);
     let is_panning = response.dragged_by(PointerButton::Middle)
         || (response.dragged_by(PointerButton::Primary) && modifiers.shift);
@@ -231,13 +247,25 @@ fn wipe(ui: &Ui, rect: Rect, placement: &Placement, app: &mut App) {
     painter.vline(x.round() + 0.5, grip.y_range(), (1.0, p.amber));
     let live = label_of(app);
     let labels = [
-        app.picture.held[0].as_ref().map_or("", |h| h.label.as_str()),
-        app.picture.held[1].as_ref().map_or(live.as_str(), |h| h.label.as_str()),
+        app.picture.held[0]
+            .as_ref()
+            .map_or("", |h| h.label.as_str()),
+        app.picture.held[1]
+            .as_ref()
+            .map_or(live.as_str(), |h| h.label.as_str()),
     ];
     let y = placement.visible.bottom() - GRID;
     for (label, at, align) in [
-        (format!("A  {}", labels[0]), pos2(x - GRID, y), Align2::RIGHT_BOTTOM),
-        (format!("B  {}", labels[1]), pos2(x + GRID, y), Align2::LEFT_BOTTOM),
+        (
+            format!("A  {}", labels[0]),
+            pos2(x - GRID, y),
+            Align2::RIGHT_BOTTOM,
+        ),
+        (
+            format!("B  {}", labels[1]),
+            pos2(x + GRID, y),
+            Align2::LEFT_BOTTOM,
+        ),
     ] {
         let galley = painter.layout_no_wrap(label, theme::small(), p.text);
         let spot = align.anchor_size(at, galley.size());
@@ -256,15 +284,23 @@ fn caption_of(painter: &egui::Painter, rect: Rect, app: &App, p: &Palette) {
     let (formula, text) = if app.viewing.is_difference && app.picture.reference.is_some() {
         (None, "difference to the reference, in luminance".to_owned())
     } else if view.layers(app.picture.n_layers).is_none() {
-        (Some(view), "not kept apart; raise the number of terms".to_owned())
+        (
+            Some(view),
+            "not kept apart; raise the number of terms".to_owned(),
+        )
     } else {
         (Some(view), view.caption())
     };
     let at = rect.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
     let formula = formula.map(|view: View| Formula::full(painter, view, theme::CAPTION, p.text));
-    let below = formula.as_ref().map_or(0.0, |f| theme::CAPTION * 1.15 + f.size.y * 0.22);
+    let below = formula
+        .as_ref()
+        .map_or(0.0, |f| theme::CAPTION * 1.15 + f.size.y * 0.22);
     let galley = painter.layout_no_wrap(text, theme::body(), p.text);
-    let width = formula.as_ref().map_or(0.0, |f| f.size.x).max(galley.size().x);
+    let width = formula
+        .as_ref()
+        .map_or(0.0, |f| f.size.x)
+        .max(galley.size().x);
     let spot = Rect::from_min_size(at, Vec2::new(width, below + galley.size().y));
     painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, plate(p));
     if let Some(formula) = formula {
@@ -273,14 +309,7 @@ fn caption_of(painter: &egui::Painter, rect: Rect, app: &App, p: &Palette) {
     painter.galley(at + Vec2::new(0.0, below), galley, p.text);
 }
 
-fn probe(
-    ui: &Ui,
-    rect: Rect,
-    response: &Response,
-    placement: &Placement,
-    app: &App,
-    p: &Palette,
-) {
+fn probe(ui: &Ui, rect: Rect, response: &Response, placement: &Placement, app: &App, p: &Palette) {
     let Some(fraction) = response.hover_pos().and_then(|at| placement.fraction(at)) else {
         return;
     };
@@ -303,7 +332,10 @@ fn probe(
     const BARS: f32 = 40.0;
     let corner = pos2(rect.right() - 2.0 * GRID, rect.top() + 1.5 * GRID);
     let height = lines.len() as f32 * LINE + BARS;
-    let spot = Rect::from_min_max(pos2(corner.x - width, corner.y), pos2(corner.x, corner.y + height));
+    let spot = Rect::from_min_max(
+        pos2(corner.x - width, corner.y),
+        pos2(corner.x, corner.y + height),
+    );
     painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, plate(p));
     for (i, line) in lines.into_iter().enumerate() {
         let at = pos2(corner.x - line.size().x, corner.y + i as f32 * LINE);
@@ -316,7 +348,10 @@ fn probe(
 fn bounce_bars(painter: &egui::Painter, spot: Rect, reading: &Reading, app: &App, p: &Palette) {
     let n = reading.bounces.len().max(1);
     let largest = reading.bounces.iter().copied().fold(1e-20, f32::max);
-    let area = Rect::from_min_max(pos2(spot.left(), spot.bottom() - 34.0), spot.max - Vec2::new(0.0, 10.0));
+    let area = Rect::from_min_max(
+        pos2(spot.left(), spot.bottom() - 34.0),
+        spot.max - Vec2::new(0.0, 10.0),
+    );
     let pitch = area.width() / n as f32;
     let shown = app.viewing.view.layers(n - 1).unwrap_or(0..0);
     for (k, value) in reading.bounces.iter().enumerate() {
@@ -328,7 +363,11 @@ fn bounce_bars(painter: &egui::Painter, spot: Rect, reading: &Reading, app: &App
         );
         let color = if shown.contains(&k) { p.amber } else { p.fill };
         painter.rect_filled(bar, 0, color);
-        let name = if k + 1 == n { "t".to_owned() } else { k.to_string() };
+        let name = if k + 1 == n {
+            "t".to_owned()
+        } else {
+            k.to_string()
+        };
         let at = pos2(bar.center().x, area.bottom() + 1.0);
         painter.text(at, Align2::CENTER_TOP, name, theme::sized(9.0), p.weak);
     }

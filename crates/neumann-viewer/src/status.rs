@@ -106,7 +106,11 @@ fn facts(status: &Status<'_>) -> Vec<(String, String, String)> {
         facts.push(fact("estimated error", percent, "%"));
     }
     facts.push(fact("refused", stats.n_refused.to_string(), ""));
-    facts.push(fact("", format!("{} × {}", picture.size.0, picture.size.1), ""));
+    facts.push(fact(
+        "",
+        format!("{} × {}", picture.size.0, picture.size.1),
+        "",
+    ));
     facts
 }
 
@@ -118,7 +122,11 @@ fn progress(status: &Status<'_>) -> Option<f32> {
         StopRule::Seconds(s) => stats.seconds / s.max(1e-9),
     };
     let is_full = status.picture.divisor == 1 && status.picture.is_there();
-    Some(if is_full { done.clamp(0.0, 1.0) as f32 } else { 0.0 })
+    Some(if is_full {
+        done.clamp(0.0, 1.0) as f32
+    } else {
+        0.0
+    })
 }
 
 /// Draws the bias badge; yields the right end of what is left of the line.
@@ -133,8 +141,13 @@ fn badge(ui: &Ui, rect: Rect, bias: Option<&str>) -> f32 {
     let size = galley.size() + Vec2::new(2.0 * GRID, 4.0);
     let plate = Rect::from_min_size(pos2(edge - size.x, rect.center().y - size.y / 2.0), size);
     ui.painter().rect_filled(plate, 4, p.amber);
-    ui.painter()
-        .text(plate.center(), Align2::CENTER_CENTER, "biased", font, p.on_amber);
+    ui.painter().text(
+        plate.center(),
+        Align2::CENTER_CENTER,
+        "biased",
+        font,
+        p.on_amber,
+    );
     let response = ui.interact(plate, ui.scope_id().with("bias"), egui::Sense::hover());
     let text = format!("biased: {bias}");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &text));

@@ -25,7 +25,10 @@ pub(crate) struct Surface {
 
 impl Surface {
     /// Finds an adapter for the window and a device on it.
-    pub(crate) fn new(event_loop: &ActiveEventLoop, window: Arc<Window>) -> Result<Self, ViewError> {
+    pub(crate) fn new(
+        event_loop: &ActiveEventLoop,
+        window: Arc<Window>,
+    ) -> Result<Self, ViewError> {
         let none = |e: &dyn std::fmt::Display| {
             ViewError::NoAdapter(e.to_string().lines().next().unwrap_or_default().to_owned())
         };
@@ -94,12 +97,8 @@ impl Surface {
             Current::Timeout | Current::Occluded | Current::Validation => None,
         };
         let start = Instant::now();
-        for (id, deltas) in output.textures_delta.set.drain() {
-            for delta in deltas {
-                self.renderer
-                    .update_texture(&self.device, &self.queue, id, &delta);
-            }
-        }
+        let delta = &mut output.textures_delta;
+        update_textures(&mut self.renderer, &self.device, &self.queue, delta);
         let mut prepared = None;
         if let Some(frame) = frame {
             let screen = ScreenDescriptor {
@@ -124,10 +123,37 @@ impl Surface {
             window.pre_present_notify();
             self.queue.present(frame);
         }
-        for id in output.textures_delta.free.drain() {
-            self.renderer.free_texture(&id);
-        }
+        free_textures(&mut self.renderer, &mut output.textures_delta);
         prepared
+    }
+}
+
+/// Takes over the textures that egui made or changed.
+#[allow(
+    clippy::iter_over_hash_type,
+    reason = "no texture depends on another, so their order does not matter"
+)]
+pub(crate) fn update_textures(
+    renderer: &mut Renderer,
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    delta: &mut egui::TexturesDelta,
+) {
+    for (id, changes) in delta.set.drain() {
+        for change in changes {
+            renderer.update_texture(device, queue, id, &change);
+        }
+    }
+}
+
+/// Gives up the textures that egui no longer needs; only after the frame has been submitted.
+#[allow(
+    clippy::iter_over_hash_type,
+    reason = "no texture depends on another, so their order does not matter"
+)]
+pub(crate) fn free_textures(renderer: &mut Renderer, delta: &mut egui::TexturesDelta) {
+    for id in delta.free.drain() {
+        renderer.free_texture(&id);
     }
 }
 

@@ -161,7 +161,9 @@ fn fonts() -> FontDefinitions {
         let mut family = vec![name.to_owned()];
         family.extend(fallback.iter().cloned());
         if name == REGULAR {
-            fonts.families.insert(FontFamily::Proportional, family.clone());
+            fonts
+                .families
+                .insert(FontFamily::Proportional, family.clone());
         }
         fonts.families.insert(FontFamily::Name(name.into()), family);
     }

@@ -1,6 +1,8 @@
 //! The bar on top: scene, methods, and the commonest commands.
 
-use egui::{Align, Align2, Area, Frame, Id, Layout, Margin, Order, Rect, Stroke, Ui, UiBuilder, Vec2, pos2};
+use egui::{
+    Align, Align2, Area, Frame, Id, Layout, Margin, Order, Rect, Stroke, Ui, UiBuilder, Vec2, pos2,
+};
 use neumann_core::integrator::METHODS;
 
 use crate::app::App;
@@ -13,7 +15,8 @@ use crate::widgets::{Icon, icon_button, row_button, segmented, segmented_width};
 pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     let p = Palette::of(ui);
     ui.painter().rect_filled(rect, 0, p.panel);
-    ui.painter().hline(rect.x_range(), rect.bottom() - 0.5, (1.0, p.line));
+    ui.painter()
+        .hline(rect.x_range(), rect.bottom() - 0.5, (1.0, p.line));
     let inner = rect.shrink2(Vec2::new(GRID, 0.0));
     let icons = commands(ui, inner, app);
     let scene = scene_button(ui, inner, app);
@@ -31,7 +34,8 @@ fn scene_button(ui: &mut Ui, rect: Rect, app: &mut App) -> Rect {
         .open
         .as_ref()
         .map_or("no scene", |open| open.short_name());
-    let mut job = egui::text::LayoutJob::simple_singleline(name.to_owned(), theme::semibold(), p.text);
+    let mut job =
+        egui::text::LayoutJob::simple_singleline(name.to_owned(), theme::semibold(), p.text);
     job.wrap = egui::text::TextWrapping::truncate_at_width(160.0);
     let galley = ui.painter().layout_job(job);
     let size = Vec2::new(galley.size().x + 5.0 * GRID, 28.0);
@@ -102,7 +106,10 @@ fn methods(ui: &mut Ui, bar: Rect, room: Rect, app: &mut App) {
         } else {
             room.center().x - width / 2.0
         };
-        let spot = Rect::from_min_size(pos2(left.round(), bar.center().y - 14.0), Vec2::new(width, 28.0));
+        let spot = Rect::from_min_size(
+            pos2(left.round(), bar.center().y - 14.0),
+            Vec2::new(width, 28.0),
+        );
         let clicked = ui
             .scope_builder(UiBuilder::new().max_rect(spot).id_salt("methods"), |ui| {
                 segmented(ui, "method", &titles, app.setup.method)
@@ -122,8 +129,16 @@ fn menu(ui: &mut Ui, room: Rect, app: &mut App) {
     let p = Palette::of(ui);
     let title = app.setup.method().title;
     let spot = Rect::from_center_size(room.center(), Vec2::new(room.width().min(160.0), 28.0));
-    let response = ui.interact(spot, ui.scope_id().with("method menu"), egui::Sense::click());
-    let fill = if response.hovered() { p.hovered } else { p.raised };
+    let response = ui.interact(
+        spot,
+        ui.scope_id().with("method menu"),
+        egui::Sense::click(),
+    );
+    let fill = if response.hovered() {
+        p.hovered
+    } else {
+        p.raised
+    };
     ui.painter().rect_filled(spot, 4, fill);
     let font = theme::body();
     ui.painter()

@@ -142,7 +142,11 @@ impl Handler {
         app.open_first_scene();
         window.set_visible(true);
         window.request_redraw();
-        let period = if surface.is_software { SOFTWARE_PERIOD } else { HARDWARE_PERIOD };
+        let period = if surface.is_software {
+            SOFTWARE_PERIOD
+        } else {
+            HARDWARE_PERIOD
+        };
         if let Some(latencies) = &self.latencies {
             latencies.begin(self.proxy.clone());
         }
@@ -170,7 +174,9 @@ impl ApplicationHandler<Event> for Handler {
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
-        let Some(running) = &mut self.running else { return };
+        let Some(running) = &mut self.running else {
+            return;
+        };
         match &event {
             WindowEvent::CloseRequested => {
                 close(running, event_loop);
@@ -185,13 +191,19 @@ impl ApplicationHandler<Event> for Handler {
             }
             _ => {}
         }
-        if running.egui.on_window_event(&running.window, &event).repaint {
+        if running
+            .egui
+            .on_window_event(&running.window, &event)
+            .repaint
+        {
             running.window.request_redraw();
         }
     }
 
     fn user_event(&mut self, event_loop: &ActiveEventLoop, event: Event) {
-        let Some(running) = &mut self.running else { return };
+        let Some(running) = &mut self.running else {
+            return;
+        };
         match event {
             Event::Published => {
                 let is_awaited = !running.app.is_current();
@@ -208,7 +220,9 @@ impl ApplicationHandler<Event> for Handler {
                 running.window.request_redraw();
             }
             Event::Measure(sent) => {
-                let Some(latencies) = &mut self.latencies else { return };
+                let Some(latencies) = &mut self.latencies else {
+                    return;
+                };
                 let input = running.egui.egui_input_mut();
                 if latencies.step(sent, &mut running.app, input) {
                     running.window.request_redraw();

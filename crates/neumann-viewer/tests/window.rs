@@ -1,81 +1,20 @@
 //! The window through its accessibility tree: what a person can press, and what follows.
 //!
 //! The renderer is replaced by a small film that never changes, so nothing here depends
-//! on time. Snapshots need a graphics adapter; without one they say so and pass,
-//! unless `CI` is set.
+//! on time.
 
-use std::sync::Arc;
+mod support;
 
 use egui::{Key, Modifiers, Theme};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use neumann_core::film::{Film, View};
+use neumann_core::film::View;
 use neumann_core::integrator::METHODS;
-use neumann_core::radiometry::Rgb;
-use neumann_core::render::{Published, Stats, StopRule, Thumbnail};
-use neumann_core::scene::Scene;
-use neumann_core::scene::builtin::builtin;
-use neumann_viewer::ViewOptions;
+use neumann_core::render::StopRule;
 use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
-use neumann_viewer::render_link::RenderLink;
 
-/// A film whose layer k is a gradient of strength 2^-k.
-fn published() -> Published {
-    let (width, height, n_layers) = (96, 96, 8);
-    let layer = |k: usize| -> Vec<Rgb> {
-        (0..width * height)
-            .map(|i| {
-                let (x, y) = ((i % width) as f32 / 95.0, (i / width) as f32 / 95.0);
-                Rgb::new(x, y, 1.0 - x) * 0.5f32.powi(k as i32 + 1)
-            })
-            .collect()
-    };
-    let layers: Vec<_> = (0..=n_layers).map(layer).collect();
-    let total: Vec<Rgb> = (0..width * height)
-        .map(|i| layers.iter().fold(Rgb::BLACK, |sum, l| sum + l[i]))
-        .collect();
-    let thumbnails = layers
-        .iter()
-        .map(|pixels| Thumbnail {
-            width,
-            height,
-            pixels: pixels.clone(),
-        })
-        .collect();
-    let variance = vec![Rgb::splat(1e-4); width * height];
-    let film = Film::from_parts((width, height), 64, layers, total, &variance, 0).unwrap();
-    Published {
-        generation: 1,
-        version: 1,
-        divisor: 1,
-        stats: Stats {
-            n_iterations: 64,
-            seconds: 1.5,
-            samples_per_second: 1e6,
-            rays_per_second: 5e6,
-            estimated_error: 0.01,
-            n_refused: 0,
-            is_done: false,
-        },
-        energy_shares: film.energy_shares(),
-        film,
-        thumbnails,
-        thumbnails_version: 1,
-    }
-}
-
-fn app() -> App {
-    let options = ViewOptions {
-        size: Some((96, 96)),
-        ..ViewOptions::default()
-    };
-    let mut app = App::new(RenderLink::fixed(published()), options, || {});
-    app.gallery.keep_still();
-    let description = builtin("furnace").unwrap().load().unwrap();
-    app.take_scene("furnace".to_owned(), Arc::new(Scene::build(&description)));
-    app
-}
+use support::app;
 
 fn harness(size: [f32; 2]) -> Harness<'static, App> {
     let mut harness = Harness::builder()
@@ -147,7 +86,10 @@ fn methods_change_by_click_and_by_key_and_keep_camera_and_view() {
     let app = harness.state();
     let job = app.link.started().unwrap();
     assert_eq!(job.settings.method, METHODS[0]);
-    assert_eq!(job.settings.camera.world_from_camera, camera.world_from_camera);
+    assert_eq!(
+        job.settings.camera.world_from_camera,
+        camera.world_from_camera
+    );
     assert_eq!(app.viewing.view, View::Term(2));
     assert_eq!(app.link.n_starts(), 4);
 }
@@ -167,7 +109,10 @@ fn a_bad_path_says_so_and_keeps_the_scene() {
     wait(&mut harness, |app| !app.is_loading());
     let notice = harness.state().notices.texts().next().unwrap().to_owned();
     assert!(notice.contains("no-such-scene.glb"), "{notice}");
-    assert_eq!(harness.state().setup.open.as_ref().unwrap().source, "furnace");
+    assert_eq!(
+        harness.state().setup.open.as_ref().unwrap().source,
+        "furnace"
+    );
     press(&mut harness, Key::Escape);
     press(&mut harness, Key::Escape);
     assert_eq!(harness.state().notices.texts().count(), 0);
@@ -176,7 +121,10 @@ fn a_bad_path_says_so_and_keeps_the_scene() {
     harness.run_steps(2);
     click(&mut harness, "Open");
     wait(&mut harness, |app| !app.is_loading());
-    assert_eq!(harness.state().setup.open.as_ref().unwrap().source, "cornell");
+    assert_eq!(
+        harness.state().setup.open.as_ref().unwrap().source,
+        "cornell"
+    );
     assert_eq!(harness.state().link.n_starts(), 2);
 }
 
@@ -207,11 +155,17 @@ fn pausing_by_key_and_by_button() {
 fn a_slider_steps_with_the_keyboard_and_resets() {
     let mut harness = harness([1280.0, 960.0]);
     assert_eq!(harness.state().setup.max_bounces, 16);
-    harness.get_by_role_and_label(egui::accesskit::Role::Slider, "longest path").focus();
+    harness
+        .get_by_role_and_label(egui::accesskit::Role::Slider, "longest path")
+        .focus();
     harness.run_steps(2);
     press(&mut harness, Key::ArrowRight);
     assert_eq!(harness.state().setup.max_bounces, 17);
-    assert_eq!(harness.state().viewing.view, View::Total, "the arrow stays with the slider");
+    assert_eq!(
+        harness.state().viewing.view,
+        View::Total,
+        "the arrow stays with the slider"
+    );
     assert_eq!(harness.state().link.n_starts(), 2);
     click(&mut harness, "reset longest path");
     assert_eq!(harness.state().setup.max_bounces, 16);
@@ -224,7 +178,14 @@ fn parameters_of_the_method_can_be_changed() {
     let parameter = method.parameters.first().expect("pt-mis has roulette");
     let before = harness.state().setup.settings().unwrap().values;
     click(&mut harness, parameter.title);
-    let after = harness.state().link.started().unwrap().settings.values.clone();
+    let after = harness
+        .state()
+        .link
+        .started()
+        .unwrap()
+        .settings
+        .values
+        .clone();
     assert_ne!(before, after);
 }
 
@@ -279,7 +240,16 @@ fn a_light_can_be_switched_off_and_a_material_edited() {
     let mut harness = harness([1280.0, 2400.0]);
     press(&mut harness, Key::F2);
     let app = harness.state_mut();
-    let material = app.setup.open.as_ref().unwrap().scene.appearance().materials[0].name.clone();
+    let material = app
+        .setup
+        .open
+        .as_ref()
+        .unwrap()
+        .scene
+        .appearance()
+        .materials[0]
+        .name
+        .clone();
     harness.run_steps(2);
     click(&mut harness, &material);
     let scene = &harness.state().setup.open.as_ref().unwrap().scene;

@@ -240,8 +240,7 @@ const TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
     view_dimension: wgpu::TextureViewDimension::D2,
     multisampled: false,
 };
-const SAMPLER: wgpu::BindingType =
-    wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+const SAMPLER: wgpu::BindingType = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
 
 fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {

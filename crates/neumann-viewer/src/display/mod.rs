@@ -101,7 +101,11 @@ impl ViewSettings {
             range: [low, high, self.difference_range(), 0.0],
             choice: [
                 tone.unwrap_or(0) as i32,
-                if self.is_false_colour { map.unwrap_or(0) as i32 } else { -1 },
+                if self.is_false_colour {
+                    map.unwrap_or(0) as i32
+                } else {
+                    -1
+                },
                 0,
                 0,
             ],

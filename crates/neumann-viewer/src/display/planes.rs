@@ -65,7 +65,9 @@ impl Planes {
         let single = match view {
             View::Total => Some(film.total()),
             _ => match view.layers(film.n_layers()) {
-                Some(range) if range.len() == 1 => film.layers().get(range.start).map(Vec::as_slice),
+                Some(range) if range.len() == 1 => {
+                    film.layers().get(range.start).map(Vec::as_slice)
+                }
                 _ => None,
             },
         };

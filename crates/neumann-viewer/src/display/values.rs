@@ -28,7 +28,11 @@ pub fn show(painter: &Painter, placement: &Placement, film: &Film, view: View, e
         for x in x0..=x1 {
             let value = film.radiance(view, y * size.0 + x);
             let is_bright = value.luminance() * exposure > 0.25;
-            let color = if is_bright { Color32::from_gray(16) } else { Color32::from_gray(224) };
+            let color = if is_bright {
+                Color32::from_gray(16)
+            } else {
+                Color32::from_gray(224)
+            };
             let center = pos2(
                 placement.film.left() + (x as f32 + 0.5) * edge,
                 placement.film.top() + (y as f32 + 0.5) * edge,

@@ -99,7 +99,9 @@ fn compare(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     });
     if app.viewing.is_wiping {
         let mut place = f64::from(app.viewing.wipe);
-        Slider::new("place of the wipe", 0.0, 1.0).default(0.5).show(ui, &mut place);
+        Slider::new("place of the wipe", 0.0, 1.0)
+            .default(0.5)
+            .show(ui, &mut place);
         app.viewing.wipe = place as f32;
     }
     ui.add_space(GRID);

@@ -20,7 +20,9 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
         }
     }
     if fold(ui, "Environment", false) {
-        let mut appearance = edited.take().unwrap_or_else(|| open.scene.appearance().clone());
+        let mut appearance = edited
+            .take()
+            .unwrap_or_else(|| open.scene.appearance().clone());
         let is_changed = environment(ui, app, &mut appearance);
         edited = is_changed.then_some(appearance);
     }
@@ -52,8 +54,14 @@ fn lights(ui: &mut Ui, appearance: &mut Appearance) -> bool {
         n_lights += 1;
         if n_shown < MOST {
             n_shown += 1;
-            let name = if name.is_empty() { format!("{kind} {i}") } else { name };
-            is_changed |= ui.push_id((kind, i), |ui| level_row(ui, &name, level)).inner;
+            let name = if name.is_empty() {
+                format!("{kind} {i}")
+            } else {
+                name
+            };
+            is_changed |= ui
+                .push_id((kind, i), |ui| level_row(ui, &name, level))
+                .inner;
         }
     }
     if n_lights == 0 {
@@ -68,7 +76,9 @@ fn level_row(ui: &mut Ui, name: &str, level: &mut Level) -> bool {
     let mut is_changed = switch(ui, name, &mut level.is_on).changed();
     if level.is_on {
         let mut brightness = f64::from(level.brightness);
-        let slider = Slider::new("brightness", 0.01, 100.0).logarithmic(true).default(1.0);
+        let slider = Slider::new("brightness", 0.01, 100.0)
+            .logarithmic(true)
+            .default(1.0);
         if slider.show(ui, &mut brightness).changed() {
             level.brightness = brightness as f32;
             is_changed = true;
@@ -83,7 +93,9 @@ fn environment(ui: &mut Ui, app: &mut App, appearance: &mut Appearance) -> bool 
         hint(ui, &format!("{}, {} × {}", map.name, map.width, map.height));
         let mut rotation = f64::from(map.rotation.to_degrees());
         is_changed |= level_row(ui, "environment", &mut appearance.environment_level);
-        let slider = Slider::new("rotation", -180.0, 180.0).unit("°").default(0.0);
+        let slider = Slider::new("rotation", -180.0, 180.0)
+            .unit("°")
+            .default(0.0);
         if slider.show(ui, &mut rotation).changed()
             && let Some(map) = &mut appearance.environment
         {

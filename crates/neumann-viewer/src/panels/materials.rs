@@ -27,7 +27,11 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
         };
         let is_chosen = app.material == Some(i);
         let original = open.original.materials.get(i);
-        let remark = if original == Some(material) { "" } else { "edited" };
+        let remark = if original == Some(material) {
+            ""
+        } else {
+            "edited"
+        };
         if row_button(ui, &name, remark, is_chosen).clicked() {
             app.material = (!is_chosen).then_some(i);
         }
@@ -62,11 +66,41 @@ fn editor(
             is_changed = true;
         }
     };
-    number("roughness", &mut material.roughness, original.roughness, 0.0, 1.0);
-    number("metallic", &mut material.metallic, original.metallic, 0.0, 1.0);
-    number("specular", &mut material.specular, original.specular, 0.0, 1.0);
-    number("transmission", &mut material.transmission, original.transmission, 0.0, 1.0);
-    number("index of refraction", &mut material.ior, original.ior, 1.0, 3.0);
+    number(
+        "roughness",
+        &mut material.roughness,
+        original.roughness,
+        0.0,
+        1.0,
+    );
+    number(
+        "metallic",
+        &mut material.metallic,
+        original.metallic,
+        0.0,
+        1.0,
+    );
+    number(
+        "specular",
+        &mut material.specular,
+        original.specular,
+        0.0,
+        1.0,
+    );
+    number(
+        "transmission",
+        &mut material.transmission,
+        original.transmission,
+        0.0,
+        1.0,
+    );
+    number(
+        "index of refraction",
+        &mut material.ior,
+        original.ior,
+        1.0,
+        3.0,
+    );
     let mut strength = f64::from(material.emission.max_channel());
     let emission = Slider::new("emission", 0.0, 1000.0)
         .logarithmic(true)

@@ -6,9 +6,7 @@ use neumann_core::render::StopRule;
 
 use crate::app::App;
 use crate::theme::GRID;
-use crate::widgets::{
-    Slider, button, choice_row, heading, paragraph, rule, switch,
-};
+use crate::widgets::{Slider, button, choice_row, heading, paragraph, rule, switch};
 
 pub(super) fn show(ui: &mut Ui, app: &mut App) {
     let method = app.setup.method();
@@ -78,7 +76,12 @@ fn run(ui: &mut Ui, app: &mut App) {
         StopRule::Iterations(_) => 1,
         StopRule::Seconds(_) => 2,
     };
-    match choice_row(ui, "stop after", &["never", "iterations", "seconds"], chosen) {
+    match choice_row(
+        ui,
+        "stop after",
+        &["never", "iterations", "seconds"],
+        chosen,
+    ) {
         Some(0) => app.setup.stop = StopRule::Never,
         Some(1) => app.setup.stop = StopRule::Iterations(256),
         Some(_) => app.setup.stop = StopRule::Seconds(60.0),
@@ -88,12 +91,16 @@ fn run(ui: &mut Ui, app: &mut App) {
         StopRule::Never => {}
         StopRule::Iterations(n) => {
             let mut number = f64::from(*n);
-            let slider = Slider::new("iterations", 1.0, 65536.0).step(1.0).logarithmic(true);
+            let slider = Slider::new("iterations", 1.0, 65536.0)
+                .step(1.0)
+                .logarithmic(true);
             slider.show(ui, &mut number);
             *n = number as u32;
         }
         StopRule::Seconds(seconds) => {
-            let slider = Slider::new("seconds", 1.0, 36000.0).unit("s").logarithmic(true);
+            let slider = Slider::new("seconds", 1.0, 36000.0)
+                .unit("s")
+                .logarithmic(true);
             slider.show(ui, seconds);
         }
     }

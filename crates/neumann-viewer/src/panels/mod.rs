@@ -47,7 +47,8 @@ impl Page {
 pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     let p = Palette::of(ui);
     ui.painter().rect_filled(rect, 0, p.panel);
-    ui.painter().vline(rect.left() + 0.5, rect.y_range(), (1.0, p.line));
+    ui.painter()
+        .vline(rect.left() + 0.5, rect.y_range(), (1.0, p.line));
     let inner = rect.shrink2(egui::vec2(2.0 * GRID, 0.0));
     ui.scope_builder(UiBuilder::new().max_rect(inner).id_salt("panel"), |ui| {
         ui.add_space(GRID / 2.0);
@@ -58,7 +59,9 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
         }
         ui.add_space(GRID / 2.0);
         // Text runs to the edge of the panel's own margin; what scrolls is cut a little further out.
-        let area = ui.available_rect_before_wrap().expand2(egui::vec2(GRID, 0.0));
+        let area = ui
+            .available_rect_before_wrap()
+            .expand2(egui::vec2(GRID, 0.0));
         ui.scope_builder(UiBuilder::new().max_rect(area), |ui| {
             ScrollArea::vertical()
                 .id_salt(app.page.title())

@@ -55,9 +55,11 @@ fn about(ui: &mut Ui, app: &App) {
         paragraph(ui, "Open one below.");
         return;
     };
-    heading(ui, open.scene.name());
+    heading(ui, open.short_name());
     let builtin = BUILTINS.iter().find(|b| b.name == open.source);
-    if let Some(about) = open.scene.about().or(builtin.map(|b| b.about)) {
+    let about = open.scene.about().or(builtin.map(|b| b.about));
+    let about = about.unwrap_or_else(|| open.scene.name());
+    if about != open.short_name() {
         paragraph(ui, about);
     }
     ui.add_space(GRID / 2.0);

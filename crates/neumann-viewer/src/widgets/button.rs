@@ -73,15 +73,12 @@ pub fn row_button(ui: &mut Ui, name: &str, remark: &str, is_chosen: bool) -> Res
         right,
         p.weak,
     );
-    let mut job =
-        egui::text::LayoutJob::simple_singleline(name.to_owned(), theme::body(), p.text);
+    let mut job = egui::text::LayoutJob::simple_singleline(name.to_owned(), theme::body(), p.text);
     job.wrap = egui::text::TextWrapping::truncate_at_width(room.max(0.0));
     let left = painter.layout_job(job);
     let y = rect.center().y - left.size().y / 2.0;
     painter.galley(egui::pos2(rect.left(), y), left, p.text);
     focus_ring(ui, &response, wide, 4);
-    response.widget_info(|| {
-        WidgetInfo::selected(Role::Button, ui.is_enabled(), is_chosen, name)
-    });
+    response.widget_info(|| WidgetInfo::selected(Role::Button, ui.is_enabled(), is_chosen, name));
     response
 }

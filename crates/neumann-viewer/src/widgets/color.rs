@@ -34,7 +34,10 @@ pub fn color_sliders(ui: &mut Ui, name: &str, color: &mut Rgb, max: f64) -> bool
     ] {
         let mut number = f64::from(*value);
         let label = format!("{name} {channel}");
-        if Slider::new(&label, 0.0, max).show(ui, &mut number).changed() {
+        if Slider::new(&label, 0.0, max)
+            .show(ui, &mut number)
+            .changed()
+        {
             *value = number as f32;
             is_changed = true;
         }

@@ -70,7 +70,12 @@ impl Icon {
             }
             Self::Theme => {
                 painter.circle_stroke(center, 5.5, stroke);
-                let mut half = arc(center, 5.5, -std::f32::consts::FRAC_PI_2, std::f32::consts::PI);
+                let mut half = arc(
+                    center,
+                    5.5,
+                    -std::f32::consts::FRAC_PI_2,
+                    std::f32::consts::PI,
+                );
                 half.push(at(0.0, 5.5));
                 painter.add(filled(half));
             }

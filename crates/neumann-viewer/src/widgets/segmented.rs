@@ -47,7 +47,11 @@ fn row_of_segments(
         if is_chosen {
             ui.painter().rect_filled(segment, 4, p.chosen);
         }
-        let color = if is_chosen || response.hovered() { p.strong } else { p.weak };
+        let color = if is_chosen || response.hovered() {
+            p.strong
+        } else {
+            p.weak
+        };
         let font = theme::body();
         ui.painter()
             .text(segment.center(), Align2::CENTER_CENTER, label, font, color);
@@ -69,14 +73,17 @@ fn row_of_segments(
 
 fn ground(ui: &Ui) -> egui::Color32 {
     let p = Palette::of(ui);
-    if ui.visuals().dark_mode { p.ground } else { p.raised }
+    if ui.visuals().dark_mode {
+        p.ground
+    } else {
+        p.raised
+    }
 }
 
 /// Tabs over a panel: words, the chosen one underlined; yields the one that was clicked.
 pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize) -> Option<usize> {
     let p = Palette::of(ui);
-    let (bar, _) =
-        ui.allocate_exact_size(Vec2::new(ui.available_width(), 32.0), Sense::hover());
+    let (bar, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), 32.0), Sense::hover());
     let mut x = bar.left();
     let mut clicked = None;
     for (i, label) in labels.iter().enumerate() {
@@ -91,17 +98,25 @@ pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize) -> Option<usize> {
             Sense::click(),
         );
         let is_chosen = i == chosen;
-        let color = if is_chosen || response.hovered() { p.strong } else { p.weak };
-        ui.painter()
-            .text(rect.center(), Align2::CENTER_CENTER, label, theme::body(), color);
+        let color = if is_chosen || response.hovered() {
+            p.strong
+        } else {
+            p.weak
+        };
+        ui.painter().text(
+            rect.center(),
+            Align2::CENTER_CENTER,
+            label,
+            theme::body(),
+            color,
+        );
         if is_chosen {
             let line = Rect::from_min_max(pos2(rect.left(), rect.bottom() - 2.0), rect.max);
             ui.painter().rect_filled(line, 0, p.amber);
         }
         focus_ring(ui, &response, rect.shrink2(Vec2::new(-4.0, 4.0)), 4);
-        response.widget_info(|| {
-            WidgetInfo::selected(Role::Tab, ui.is_enabled(), is_chosen, *label)
-        });
+        response
+            .widget_info(|| WidgetInfo::selected(Role::Tab, ui.is_enabled(), is_chosen, *label));
         if response.clicked() {
             clicked = Some(i);
         }

@@ -86,7 +86,8 @@ impl<'a> Slider<'a> {
         let is_default = self.default.is_none_or(|d| (d - *value).abs() < 1e-9);
         let mut right = rect.right();
         if !is_default {
-            let spot = Rect::from_center_size(pos2(right - 6.0, rect.top() + 9.0), Vec2::splat(16.0));
+            let spot =
+                Rect::from_center_size(pos2(right - 6.0, rect.top() + 9.0), Vec2::splat(16.0));
             right -= 20.0;
             self.reset_button(ui, spot, value);
         }
@@ -110,9 +111,18 @@ impl<'a> Slider<'a> {
         let bar = |from: f32, to: f32| Rect::from_min_max(pos2(from, y - 1.5), pos2(to, y + 1.5));
         painter.rect_filled(bar(track.left(), track.right()), 1, p.line);
         painter.rect_filled(bar(track.left(), x), 1, p.fill);
-        let radius = if response.hovered() || response.dragged() { 6.0 } else { 5.0 };
+        let radius = if response.hovered() || response.dragged() {
+            6.0
+        } else {
+            5.0
+        };
         painter.circle_filled(pos2(x, y), radius, p.strong);
-        focus_ring(ui, &response, Rect::from_center_size(pos2(x, y), Vec2::splat(12.0)), 8);
+        focus_ring(
+            ui,
+            &response,
+            Rect::from_center_size(pos2(x, y), Vec2::splat(12.0)),
+            8,
+        );
 
         if (*value - before).abs() > 0.0 {
             response.mark_changed();
@@ -183,7 +193,11 @@ impl<'a> Slider<'a> {
         super::Icon::Restart.paint(ui.painter(), spot.center(), color);
         focus_ring(ui, &reset, spot, 4);
         reset.widget_info(|| {
-            WidgetInfo::labeled(Role::Button, ui.is_enabled(), format!("reset {}", self.name))
+            WidgetInfo::labeled(
+                Role::Button,
+                ui.is_enabled(),
+                format!("reset {}", self.name),
+            )
         });
         if reset.clicked()
             && let Some(default) = self.default
@@ -275,7 +289,11 @@ impl<'a> Slider<'a> {
         } else {
             (value - min) / (max - min)
         };
-        if fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { 0.0 }
+        if fraction.is_finite() {
+            fraction.clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
     }
 
     fn at_fraction(&self, fraction: f64) -> f64 {
@@ -299,7 +317,11 @@ impl<'a> Slider<'a> {
 #[must_use]
 pub fn significant(value: f64, figures: usize) -> String {
     if value == 0.0 || !value.is_finite() {
-        return if value == 0.0 { "0".to_owned() } else { value.to_string() };
+        return if value == 0.0 {
+            "0".to_owned()
+        } else {
+            value.to_string()
+        };
     }
     let magnitude = value.abs().log10().floor() as i32;
     if !(-4..7).contains(&magnitude) {

@@ -34,7 +34,11 @@ pub fn switch(ui: &mut Ui, name: &str, is_on: &mut bool) -> Response {
         track.left() + 8.0
     };
     let knob = if *is_on { p.strong } else { p.weak };
-    let knob = if ui.visuals().dark_mode || !*is_on { knob } else { p.chosen };
+    let knob = if ui.visuals().dark_mode || !*is_on {
+        knob
+    } else {
+        p.chosen
+    };
     painter.circle_filled(egui::pos2(x, track.center().y), 6.0, knob);
     focus_ring(ui, &response, track, 8);
     let state = *is_on;

@@ -55,12 +55,11 @@ pub fn fact(ui: &mut Ui, name: &str, value: &str) {
 
 /// A one-line text field with a name.
 pub fn text_field(ui: &mut Ui, name: &str, text: &mut String) -> Response {
-    let width = ui.available_width();
     let field = TextEdit::singleline(text)
         .hint_text(name)
         .font(theme::body())
         .margin(egui::Margin::symmetric(8, 4))
-        .desired_width(width - 2.0 * GRID)
+        .desired_width(f32::INFINITY)
         .min_size(Vec2::new(0.0, ROW));
     ui.add(field).accessible_name(name)
 }

@@ -286,7 +286,7 @@ fn scale_does_not_matter() {
             steady(&scene).film(0, 32).layer_means()
         };
         let expected = means(1.0);
-        for scale in [1e-3f32, 1e-2, 0.3, 7.0, 1e2, 1e4] {
+        for scale in [1e-3f32, 0.3, 1e2, 1e4] {
             for (k, (a, b)) in means(scale).iter().zip(&expected).enumerate() {
                 let exact = if name == "furnace" && k < 8 {
                     0.5f64.powi(k as i32)

@@ -169,11 +169,7 @@ fn tile_of(
     painter.rect_filled(image, 0, egui::Color32::BLACK);
     let n_rows = 2 * picture.thumbnails.len();
     if n_rows > 0 {
-        let mut look = ViewSettings {
-            is_false_colour: settings.is_false_colour,
-            ..settings.clone()
-        }
-        .look();
+        let mut look = settings.look();
         let row = place + if is_sum { picture.thumbnails.len() } else { 0 };
         // Half a texel is left out above and below, so that neighbours do not shine in.
         let height = picture.thumbnails.first().map_or(1, |t| t.height) as f32;
@@ -181,7 +177,6 @@ fn tile_of(
         let origin = row as f32 / n_rows as f32 + 0.5 * texel;
         look.left = [0.0, origin, 1.0, 1.0 / n_rows as f32 - texel];
         look.right = look.left;
-        look.choice[3] = 1;
         painter.add(egui_wgpu::Callback::new_paint_callback(
             image,
             Draw {
@@ -189,6 +184,7 @@ fn tile_of(
                 left: Slot::Thumbnails,
                 right: Slot::Thumbnails,
                 look,
+                variant: settings.variant(true),
                 index: draw,
             },
         ));

@@ -52,7 +52,6 @@ impl Surface {
             .get_default_config(&adapter, width, height)
             .ok_or_else(|| ViewError::NoAdapter("it cannot draw to this window".to_owned()))?;
         config.format = format;
-        config.desired_maximum_frame_latency = 1;
         surface.configure(&device, &config);
         let mut renderer = Renderer::new(&device, format, RendererOptions::default());
         let film = FilmGpu::new(&device, &queue, format);

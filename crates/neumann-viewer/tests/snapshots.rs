@@ -83,7 +83,7 @@ fn the_shader_shows_what_the_files_show() {
         };
         let planes = SharedPlanes::default();
         planes.lock().put(Slot::HeldA, n, n, &pixels);
-        let look = settings.look();
+        let (look, variant) = (settings.look(), settings.variant(false));
         let mut harness = builder([n as f32, n as f32], Theme::Dark).build_ui(move |ui| {
             let rect = Rect::from_min_size(egui::Pos2::ZERO, Vec2::splat(n as f32));
             let draw = Draw {
@@ -91,6 +91,7 @@ fn the_shader_shows_what_the_files_show() {
                 left: Slot::HeldA,
                 right: Slot::HeldA,
                 look,
+                variant,
                 index: 0,
             };
             let callback = egui_wgpu::Callback::new_paint_callback(rect, draw);

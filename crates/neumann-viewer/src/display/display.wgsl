@@ -9,9 +9,20 @@ struct Look {
     scale: vec4f,
     // Base-2 logarithms of the ends of the false-colour range; difference at the end of its scale.
     range: vec4f,
-    // Tone curve, colour map (-1: none), 1: difference, bits: 1 smooth, 2 target encodes sRGB itself.
-    choice: vec4i,
+    // Row of the colour map.
+    map: vec4i,
 }
+
+// What differs from one pipeline to the next. A software adapter runs every branch of a shader
+// whose condition it learns only while drawing, so these are fixed when a pipeline is made.
+// Tone curve, in the order of menus.
+override TONE: i32 = 0;
+// 0: the picture; 1: false colour; 2: the difference.
+override MODE: i32 = 0;
+override IS_WIPING: bool = false;
+override IS_SMOOTH: bool = false;
+// The target encodes sRGB itself.
+override TARGET_ENCODES: bool = false;
 
 @group(0) @binding(0) var<uniform> look: Look;
 @group(0) @binding(1) var left_texture: texture_2d<f32>;
@@ -34,7 +45,7 @@ fn cover(@builtin(vertex_index) index: u32) -> Corner {
 
 fn left_radiance(uv: vec2f) -> vec3f {
     let at = look.left.xy + uv * look.left.zw;
-    if (look.choice.w & 1) != 0 {
+    if IS_SMOOTH {
         return textureSampleLevel(left_texture, smoothly, at, 0.0).rgb * look.scale.x;
     }
     return textureSampleLevel(left_texture, sharp, at, 0.0).rgb * look.scale.x;
@@ -42,7 +53,7 @@ fn left_radiance(uv: vec2f) -> vec3f {
 
 fn right_radiance(uv: vec2f) -> vec3f {
     let at = look.right.xy + uv * look.right.zw;
-    if (look.choice.w & 1) != 0 {
+    if IS_SMOOTH {
         return textureSampleLevel(right_texture, smoothly, at, 0.0).rgb * look.scale.y;
     }
     return textureSampleLevel(right_texture, sharp, at, 0.0).rgb * look.scale.y;
@@ -106,12 +117,14 @@ fn neutral(x: vec3f) -> vec3f {
 fn toned(exposed: vec3f) -> vec3f {
     let x = clamp(exposed, vec3f(0.0), vec3f(1e9));
     var y = x;
-    switch look.choice.x {
-        case 1: { y = x / (1.0 + x); }
-        case 2: { y = aces(x); }
-        case 3: { y = agx(x); }
-        case 4: { y = neutral(x); }
-        default: {}
+    if TONE == 1 {
+        y = x / (1.0 + x);
+    } else if TONE == 2 {
+        y = aces(x);
+    } else if TONE == 3 {
+        y = agx(x);
+    } else if TONE == 4 {
+        y = neutral(x);
     }
     return clamp(y, vec3f(0.0), vec3f(1.0));
 }
@@ -126,31 +139,29 @@ fn decoded(x: vec3f) -> vec3f {
 
 @fragment
 fn shade(corner: Corner) -> @location(0) vec4f {
-    let target_encodes = (look.choice.w & 2) != 0;
-    var code: vec3f;
-    if look.choice.z == 1 {
+    if MODE == 2 {
         let apart = luminance(left_radiance(corner.uv)) - luminance(right_radiance(corner.uv));
-        code = mapped(4, 0.5 + 0.5 * apart / look.range.z);
-    } else {
-        var radiance: vec3f;
-        if corner.uv.x < look.scale.w {
-            radiance = left_radiance(corner.uv);
-        } else {
-            radiance = right_radiance(corner.uv);
-        }
-        if look.choice.y >= 0 {
-            let stops = log2(max(luminance(radiance), 1e-30));
-            code = mapped(look.choice.y, (stops - look.range.x) / (look.range.y - look.range.x));
-        } else {
-            let linear = toned(radiance * look.scale.z);
-            if target_encodes {
-                return vec4f(linear, 1.0);
-            }
-            return vec4f(encoded(linear), 1.0);
-        }
+        return of_code(mapped(4, 0.5 + 0.5 * apart / look.range.z));
     }
-    if target_encodes {
-        code = decoded(code);
+    var radiance = left_radiance(corner.uv);
+    if IS_WIPING {
+        radiance = select(right_radiance(corner.uv), radiance, corner.uv.x < look.scale.w);
+    }
+    if MODE == 1 {
+        let stops = log2(max(luminance(radiance), 1e-30));
+        return of_code(mapped(look.map.x, (stops - look.range.x) / (look.range.y - look.range.x)));
+    }
+    let linear = toned(radiance * look.scale.z);
+    if TARGET_ENCODES {
+        return vec4f(linear, 1.0);
+    }
+    return vec4f(encoded(linear), 1.0);
+}
+
+// A colour that is sRGB-coded already.
+fn of_code(code: vec3f) -> vec4f {
+    if TARGET_ENCODES {
+        return vec4f(decoded(code), 1.0);
     }
     return vec4f(code, 1.0);
 }

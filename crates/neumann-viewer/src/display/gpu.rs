@@ -31,8 +31,33 @@ pub struct Look {
     pub scale: [f32; 4],
     /// Base-2 logarithms of the ends of the false-colour range; difference at the end of its scale; unused.
     pub range: [f32; 4],
-    /// Tone curve, colour map or −1, 1 for a difference, bits: 1 smooth, 2 (filled in) target encodes sRGB.
-    pub choice: [i32; 4],
+    /// Row of the colour map; the rest is unused.
+    pub map: [i32; 4],
+}
+
+/// What a pipeline is made for: the shader's overrides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Variant {
+    /// Index of the tone curve.
+    pub tone: usize,
+    /// What is made of the pictures.
+    pub mode: Mode,
+    /// Left and right of a wipe are two pictures.
+    pub is_wiping: bool,
+    /// Pixels blend into each other.
+    pub is_smooth: bool,
+}
+
+/// What is made of the pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// They are shown.
+    #[default]
+    Picture,
+    /// Luminance as colours.
+    FalseColour,
+    /// The difference of two in luminance.
+    Difference,
 }
 
 /// Shows one or two pictures in a rectangle.
@@ -45,6 +70,8 @@ pub struct Draw {
     pub right: Slot,
     /// How.
     pub look: Look,
+    /// By which pipeline.
+    pub variant: Variant,
     /// Number of this draw call within the frame.
     pub index: usize,
 }
@@ -62,7 +89,9 @@ struct Texture {
 
 /// Pipeline and textures; one per device.
 pub struct FilmGpu {
-    pipeline: wgpu::RenderPipeline,
+    shader: wgpu::ShaderModule,
+    format: wgpu::TextureFormat,
+    pipelines: Vec<(Variant, wgpu::RenderPipeline)>,
     layout: wgpu::BindGroupLayout,
     looks: wgpu::Buffer,
     maps: wgpu::TextureView,
@@ -70,7 +99,6 @@ pub struct FilmGpu {
     smooth: wgpu::Sampler,
     textures: [Texture; N_SLOTS],
     bind_groups: [[Option<wgpu::BindGroup>; N_SLOTS]; N_SLOTS],
-    target_encodes: bool,
     largest: u32,
 }
 
@@ -104,7 +132,9 @@ impl FilmGpu {
             })
         };
         Self {
-            pipeline: pipeline(device, &layout, format),
+            shader: device.create_shader_module(wgpu::include_wgsl!("display.wgsl")),
+            format,
+            pipelines: Vec::new(),
             layout,
             looks: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("looks"),
@@ -117,7 +147,6 @@ impl FilmGpu {
             smooth: sampler(wgpu::FilterMode::Linear),
             textures: std::array::from_fn(|_| texture(device, 1, 1)),
             bind_groups: Default::default(),
-            target_encodes: format.is_srgb(),
             largest: device.limits().max_texture_dimension_2d,
         }
     }
@@ -155,6 +184,52 @@ impl FilmGpu {
                 depth_or_array_layers: 1,
             },
         );
+    }
+
+    /// Makes the pipeline of a variant when it is first asked for.
+    fn prepare(&mut self, device: &wgpu::Device, variant: Variant) {
+        if self.pipelines.iter().any(|(made, _)| *made == variant) {
+            return;
+        }
+        let flag = |is_on: bool| f64::from(u8::from(is_on));
+        let constants = [
+            ("TONE", variant.tone as f64),
+            ("MODE", f64::from(variant.mode as u8)),
+            ("IS_WIPING", flag(variant.is_wiping)),
+            ("IS_SMOOTH", flag(variant.is_smooth)),
+            ("TARGET_ENCODES", flag(self.format.is_srgb())),
+        ];
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("film"),
+            bind_group_layouts: &[Some(&self.layout)],
+            immediate_size: 0,
+        });
+        let options = wgpu::PipelineCompilationOptions {
+            constants: &constants,
+            ..Default::default()
+        };
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("film"),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &self.shader,
+                entry_point: Some("cover"),
+                compilation_options: options.clone(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: None,
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &self.shader,
+                entry_point: Some("shade"),
+                compilation_options: options,
+                targets: &[Some(self.format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        self.pipelines.push((variant, pipeline));
     }
 
     fn bind(&mut self, device: &wgpu::Device, left: usize, right: usize) {
@@ -207,10 +282,10 @@ impl CallbackTrait for Draw {
         }
         let (left, right) = (self.left as usize, self.right as usize);
         gpu.bind(device, left, right);
+        gpu.prepare(device, self.variant);
         let mut look = self.look;
         look.scale[0] = gpu.textures[left].scale;
         look.scale[1] = gpu.textures[right].scale;
-        look.choice[3] |= i32::from(gpu.target_encodes) * 2;
         let offset = STRIDE * self.index.min(MAX_DRAWS - 1) as u64;
         queue.write_buffer(&gpu.looks, offset, bytemuck::bytes_of(&look));
         Vec::new()
@@ -229,7 +304,11 @@ impl CallbackTrait for Draw {
             return;
         };
         let offset = STRIDE as u32 * self.index.min(MAX_DRAWS - 1) as u32;
-        pass.set_pipeline(&gpu.pipeline);
+        let mut pipelines = gpu.pipelines.iter();
+        let Some((_, pipeline)) = pipelines.find(|(variant, _)| *variant == self.variant) else {
+            return;
+        };
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, group, &[offset]);
         pass.draw(0..3, 0..1);
     }
@@ -249,40 +328,6 @@ fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
         ty,
         count: None,
     }
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    format: wgpu::TextureFormat,
-) -> wgpu::RenderPipeline {
-    let shader = device.create_shader_module(wgpu::include_wgsl!("display.wgsl"));
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("film"),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("film"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &shader,
-            entry_point: Some("cover"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &shader,
-            entry_point: Some("shade"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }
 
 fn texture(device: &wgpu::Device, width: u32, height: u32) -> Texture {

@@ -2,7 +2,7 @@
 
 use egui::{Painter, Pos2, Rect, Vec2, pos2};
 
-use super::{Draw, MAX_ZOOM, SharedPlanes, Slot, ViewSettings};
+use super::{Draw, MAX_ZOOM, Mode, SharedPlanes, Slot, ViewSettings};
 
 /// Where the film is on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,22 +86,24 @@ pub fn draw(
     let mut look = settings.look();
     look.left = [origin.x, origin.y, part.x, part.y];
     look.right = look.left;
+    let is_whole = (placement.magnification - placement.magnification.round()).abs() < 1e-3;
+    let live_width = planes.lock().plane(Slot::Live).width;
+    let is_coarse = live_width < placement.size.0;
+    let is_smooth = settings.zoom.is_none() && (is_coarse || !is_whole);
+    let mut variant = settings.variant(is_smooth);
     let (left, right) = match pictures {
         Pictures::One(slot) => (slot, slot),
         Pictures::Wipe(left, right) => {
+            variant.is_wiping = true;
             look.scale[3] = (settings.wipe - origin.x) / part.x;
             (left, right)
         }
         Pictures::Difference(left, right) => {
-            look.choice[2] = 1;
+            variant.tone = 0;
+            variant.mode = Mode::Difference;
             (left, right)
         }
     };
-    let is_whole = (placement.magnification - placement.magnification.round()).abs() < 1e-3;
-    let live_width = planes.lock().plane(left).width;
-    let is_coarse = live_width < placement.size.0;
-    let is_smooth = settings.zoom.is_none() && (is_coarse || !is_whole);
-    look.choice[3] = i32::from(is_smooth);
     painter.add(egui_wgpu::Callback::new_paint_callback(
         visible,
         Draw {
@@ -109,6 +111,7 @@ pub fn draw(
             left,
             right,
             look,
+            variant,
             index,
         },
     ));

@@ -6,7 +6,7 @@ pub mod legend;
 mod planes;
 pub mod values;
 
-pub use gpu::{Draw, FilmGpu, Look, MAX_DRAWS, SharedPlanes};
+pub use gpu::{Draw, FilmGpu, Look, MAX_DRAWS, Mode, SharedPlanes, Variant};
 pub use planes::{Plane, Planes, Slot, mean_of};
 
 use neumann_core::film::View;
@@ -92,23 +92,30 @@ impl ViewSettings {
     #[must_use]
     pub fn look(&self) -> Look {
         let [low, high] = self.map_range();
-        let tone = ToneCurve::ALL.iter().position(|t| *t == self.tone);
         let map = ColourMap::ALL.iter().position(|m| *m == self.map);
         Look {
             left: [0.0, 0.0, 1.0, 1.0],
             right: [0.0, 0.0, 1.0, 1.0],
             scale: [1.0, 1.0, self.exposure_ev.exp2(), 2.0],
             range: [low, high, self.difference_range(), 0.0],
-            choice: [
-                tone.unwrap_or(0) as i32,
-                if self.is_false_colour {
-                    map.unwrap_or(0) as i32
-                } else {
-                    -1
-                },
-                0,
-                0,
-            ],
+            map: [map.unwrap_or(0) as i32, 0, 0, 0],
+        }
+    }
+
+    /// By which pipeline one picture is shown.
+    #[must_use]
+    pub fn variant(&self, is_smooth: bool) -> Variant {
+        let tone = ToneCurve::ALL.iter().position(|t| *t == self.tone);
+        Variant {
+            // False colours know no tone curve.
+            tone: tone.filter(|_| !self.is_false_colour).unwrap_or(0),
+            mode: if self.is_false_colour {
+                Mode::FalseColour
+            } else {
+                Mode::Picture
+            },
+            is_wiping: false,
+            is_smooth,
         }
     }
 

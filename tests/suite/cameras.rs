@@ -54,7 +54,11 @@ fn importance_is_one_for_every_pixel() {
         for _ in 0..n {
             let mut sampler = random.sampler();
             let u = sampler.next_2d();
-            let x = Vec3::new((2.0 * u[0] - 1.0) * half, 0.0, (2.0 * u[1] - 1.0) * half - 0.5);
+            let x = Vec3::new(
+                (2.0 * u[0] - 1.0) * half,
+                0.0,
+                (2.0 * u[1] - 1.0) * half - 0.5,
+            );
             let Some((aim, raster)) = camera.aim(x, sampler.next_2d()) else {
                 continue;
             };
@@ -101,15 +105,25 @@ fn densities_of_camera_rays() {
                 let u = random.pair();
                 let start = camera.ray(Vec2::new(x + u[0], y + u[1]), u_lens);
                 inverse.push(1.0 / f64::from(start.densities.pdf_w));
-                assert!((start.densities.pdf_a * origin_area - 1.0).abs() < 1e-4, "{name}");
+                assert!(
+                    (start.densities.pdf_a * origin_area - 1.0).abs() < 1e-4,
+                    "{name}"
+                );
                 assert!((start.ray.direction.length() - 1.0).abs() < 1e-5);
             }
-            let corner = |dx: f32, dy: f32| {
-                camera.ray(Vec2::new(x + dx, y + dy), u_lens).ray.direction
-            };
-            let [a, b, c, d] = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+            let corner =
+                |dx: f32, dy: f32| camera.ray(Vec2::new(x + dx, y + dy), u_lens).ray.direction;
+            let [a, b, c, d] = [
+                corner(0.0, 0.0),
+                corner(1.0, 0.0),
+                corner(1.0, 1.0),
+                corner(0.0, 1.0),
+            ];
             let triangle = |a: Vec3, b: Vec3, c: Vec3| {
-                2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+                2.0 * a
+                    .dot(b.cross(c))
+                    .abs()
+                    .atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
             };
             let exact = match name {
                 "orthographic" => 1.0,

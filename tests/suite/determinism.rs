@@ -9,9 +9,7 @@ use std::time::Duration;
 
 use neumann_core::film::Film;
 use neumann_core::integrator::{Integrator, METHODS, Method, ParameterValues, Sight};
-use neumann_core::render::{
-    CancelToken, Cancelled, Job, Pass, RenderLoop, Renderer, StopRule,
-};
+use neumann_core::render::{CancelToken, Cancelled, Job, Pass, RenderLoop, Renderer, StopRule};
 use neumann_core::scene::Scene;
 use neumann_tests::renders::{Setup, pool, pool_of};
 use neumann_tests::scenes::builtin;
@@ -21,7 +19,11 @@ fn assert_same_bits(a: &Film, b: &Film, what: &str) {
     assert_eq!(a.layers(), b.layers(), "{what}: layers differ");
     assert_eq!(a.total(), b.total(), "{what}: totals differ");
     for pixel in 0..a.total().len() {
-        assert_eq!(a.variance_of_mean(pixel), b.variance_of_mean(pixel), "{what}");
+        assert_eq!(
+            a.variance_of_mean(pixel),
+            b.variance_of_mean(pixel),
+            "{what}"
+        );
     }
 }
 
@@ -110,7 +112,10 @@ fn cancelling_is_heeded_within_a_row() {
     let mut renderer = Renderer::new(setup.scene, setup.settings, pool_of(n_threads), 0);
     assert_eq!(renderer.iterate(&TRIPWIRE).err(), Some(Cancelled));
     let n_late = N_BEGUN.load(Ordering::Relaxed) - TRIP_AT;
-    assert!(n_late <= 16 * n_threads, "{n_late} paths after the cancellation");
+    assert!(
+        n_late <= 16 * n_threads,
+        "{n_late} paths after the cancellation"
+    );
 }
 
 #[test]
@@ -122,7 +127,11 @@ fn a_run_is_the_sum_of_its_parts() {
         // Two ranges rendered apart and merged, in either order.
         for first_is_early in [true, false] {
             let (early, late) = (setup.film(0, 32), setup.film(32, 32));
-            let (mut film, rest) = if first_is_early { (early, late) } else { (late, early) };
+            let (mut film, rest) = if first_is_early {
+                (early, late)
+            } else {
+                (late, early)
+            };
             film.merge(&rest).unwrap();
             assert_close(&whole, &film, method.id);
         }
@@ -151,8 +160,18 @@ fn a_run_is_the_sum_of_its_parts() {
 /// Equal to 1e-6 of the brightest channel of the pixel and of the image's mean.
 fn assert_close(a: &Film, b: &Film, what: &str) {
     assert_eq!(a.n_iterations(), b.n_iterations(), "{what}");
-    let planes = a.layers().iter().chain([&a.total().to_vec()]).cloned().collect::<Vec<_>>();
-    let others = b.layers().iter().chain([&b.total().to_vec()]).cloned().collect::<Vec<_>>();
+    let planes = a
+        .layers()
+        .iter()
+        .chain([&a.total().to_vec()])
+        .cloned()
+        .collect::<Vec<_>>();
+    let others = b
+        .layers()
+        .iter()
+        .chain([&b.total().to_vec()])
+        .cloned()
+        .collect::<Vec<_>>();
     for (plane, other) in planes.iter().zip(&others) {
         let mean = plane.iter().map(|c| c.mean()).sum::<f32>() / plane.len() as f32;
         for (x, y) in plane.iter().zip(other) {
@@ -166,7 +185,10 @@ fn assert_close(a: &Film, b: &Film, what: &str) {
     for pixel in 0..a.total().len() {
         let (x, y) = (a.variance_of_mean(pixel), b.variance_of_mean(pixel));
         let apart = (x - y).map(f32::abs).max_channel();
-        assert!(apart <= 1e-3 * x.max_channel() + 1e-12, "{what}: variance {x:?} {y:?}");
+        assert!(
+            apart <= 1e-3 * x.max_channel() + 1e-12,
+            "{what}: variance {x:?} {y:?}"
+        );
     }
 }
 
@@ -213,11 +235,18 @@ fn the_loop_ends_at_full_resolution_with_the_same_bits() {
             if divisors.last() != Some(&p.divisor) {
                 divisors.push(p.divisor);
                 let size = (p.film.width(), p.film.height());
-                assert_eq!(size, (300usize.div_ceil(p.divisor), 200usize.div_ceil(p.divisor)));
+                assert_eq!(
+                    size,
+                    (300usize.div_ceil(p.divisor), 200usize.div_ceil(p.divisor))
+                );
             }
             p.stats.is_done
         });
-        assert!(divisors.is_sorted_by(|a, b| a > b), "{}: {divisors:?}", method.id);
+        assert!(
+            divisors.is_sorted_by(|a, b| a > b),
+            "{}: {divisors:?}",
+            method.id
+        );
         let published = render_loop.published();
         assert_eq!(published.divisor, 1);
         assert_eq!(published.stats.n_iterations, 2);
@@ -239,7 +268,9 @@ fn jobs_start_pause_and_stop() {
     // Without end, until another job takes over, again and again.
     for seed in 0..5 {
         let generation = render_loop.start(job(seed, StopRule::Never));
-        wait_for(&render_loop, &bell, |p| p.generation == generation && p.divisor == 1);
+        wait_for(&render_loop, &bell, |p| {
+            p.generation == generation && p.divisor == 1
+        });
         assert!(!render_loop.published().stats.is_done);
     }
     // While paused nothing changes but what was being published already.
@@ -259,12 +290,20 @@ fn jobs_start_pause_and_stop() {
     let n = render_loop.published().stats.n_iterations;
     assert!(n >= before + 20);
     render_loop.stop_after(StopRule::Iterations(n + 3));
-    wait_for(&render_loop, &bell, |p| p.stats.is_done && p.stats.n_iterations == n + 3);
+    wait_for(&render_loop, &bell, |p| {
+        p.stats.is_done && p.stats.n_iterations == n + 3
+    });
     let expected = setup.clone().seeded(4).film(0, n + 3);
-    assert_same_bits(&render_loop.published().film, &expected, "paused and resumed");
+    assert_same_bits(
+        &render_loop.published().film,
+        &expected,
+        "paused and resumed",
+    );
     // By time: done at some point.
     let generation = render_loop.start(job(9, StopRule::Seconds(0.05)));
-    wait_for(&render_loop, &bell, |p| p.generation == generation && p.stats.is_done);
+    wait_for(&render_loop, &bell, |p| {
+        p.generation == generation && p.stats.is_done
+    });
     assert!(render_loop.published().stats.seconds >= 0.05);
     // Dropped at work: no hang.
     render_loop.start(job(10, StopRule::Never));

@@ -17,9 +17,8 @@ use neumann_tests::statistics::{Estimate, Family};
 fn albedo(bsdf: &Bsdf, wo: Vec3, mode: TransportMode, random: &mut Random) -> Estimate {
     let values: Vec<f64> = (0..20_000)
         .map(|_| {
-            bsdf.sample(wo, random.triple(), mode).map_or(0.0, |s| {
-                f64::from(s.f.g * s.wi.z.abs() / s.pdf_w)
-            })
+            bsdf.sample(wo, random.triple(), mode)
+                .map_or(0.0, |s| f64::from(s.f.g * s.wi.z.abs() / s.pdf_w))
         })
         .collect();
     Estimate::of(&values)
@@ -129,7 +128,10 @@ fn delta_lobes_conserve_energy() {
 #[test]
 fn reflection_is_reciprocal() {
     let mut n_compared = 0;
-    for Example { name, bsdf, ior, .. } in examples() {
+    for Example {
+        name, bsdf, ior, ..
+    } in examples()
+    {
         let pairs = directions()
             .into_iter()
             .flat_map(|wo| directions().into_iter().map(move |wi| (wo, wi)));
@@ -166,7 +168,10 @@ fn reflection_is_reciprocal() {
 fn smooth_refraction_scales_radiance() {
     let mut random = Random::new(14);
     let mut n_refracted = 0;
-    for Example { name, bsdf, ior, .. } in examples() {
+    for Example {
+        name, bsdf, ior, ..
+    } in examples()
+    {
         for wo in directions() {
             for _ in 0..20 {
                 let u = random.triple();
@@ -192,5 +197,8 @@ fn smooth_refraction_scales_radiance() {
             }
         }
     }
-    assert!(n_refracted > 100, "only {n_refracted} samples were refracted");
+    assert!(
+        n_refracted > 100,
+        "only {n_refracted} samples were refracted"
+    );
 }

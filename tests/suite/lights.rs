@@ -8,11 +8,11 @@ use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
 use glam::{Mat3, Vec2, Vec3};
+use neumann_core::endpoint::Lights;
 use neumann_core::endpoint::light::{
     AreaLight, Bounds, DirectionalLight, Emission, EnvironmentLight, Light, LightSample,
     PointLight, SpotLight, TexturedEmission,
 };
-use neumann_core::endpoint::Lights;
 use neumann_core::material::{ColorSpace, Texture};
 use neumann_core::radiometry::Rgb;
 use neumann_core::scene::description::{
@@ -76,7 +76,13 @@ fn area_light(emission: Emission, is_double_sided: bool) -> AreaLight {
 /// A map with bright and dark texels side by side, turned by a whole number of columns.
 fn environment() -> Arc<EnvironmentDescription> {
     let texels = (0..128)
-        .map(|i| Rgb::splat(if i % 11 == 3 { 50.0 } else { 0.02 + 0.01 * (i % 7) as f32 }))
+        .map(|i| {
+            Rgb::splat(if i % 11 == 3 {
+                50.0
+            } else {
+                0.02 + 0.01 * (i % 7) as f32
+            })
+        })
         .collect();
     Arc::new(EnvironmentDescription {
         name: String::new(),
@@ -171,7 +177,12 @@ fn positions_on_area_lights() {
         let fine = 240;
         for row in 0..fine {
             for column in 0..fine - row {
-                let at = |d: f32| [(column as f32 + d) / fine as f32, (row as f32 + d) / fine as f32];
+                let at = |d: f32| {
+                    [
+                        (column as f32 + d) / fine as f32,
+                        (row as f32 + d) / fine as f32,
+                    ]
+                };
                 for d in [1.0 / 3.0, 2.0 / 3.0] {
                     let b = at(d);
                     if b[0] + b[1] < 1.0 {
@@ -201,7 +212,10 @@ fn positions_on_area_lights() {
             let b = barycentrics(start.position);
             started[triangle_cell(b, n)] += 1.0;
             let stated = start.densities.pdf_a;
-            assert!((area.pdf_a(b) / stated - 1.0).abs() < 1e-3, "{name} at {b:?}");
+            assert!(
+                (area.pdf_a(b) / stated - 1.0).abs() < 1e-3,
+                "{name} at {b:?}"
+            );
             let aim = lights.aim(x, &u).unwrap();
             let point = aim.surface.unwrap();
             aimed[triangle_cell(barycentrics(point.position), n)] += 1.0;
@@ -211,7 +225,11 @@ fn positions_on_area_lights() {
             assert!((d.length() / aim.distance - 1.0).abs() < 1e-5);
             assert!((d.normalize() - aim.wi).length() < 1e-5);
             let pdf_w = aim.start.pdf_a * d.length_squared() / cos;
-            assert!((pdf_w / aim.pdf_w - 1.0).abs() < 1e-4, "{name}: pdf_w {}", aim.pdf_w);
+            assert!(
+                (pdf_w / aim.pdf_w - 1.0).abs() < 1e-4,
+                "{name}: pdf_w {}",
+                aim.pdf_w
+            );
             assert!((aim.start.pdf_w - area.pdf_w_start(-aim.wi)).abs() < 1e-6);
         }
         for (what, counts) in [("started", started), ("aimed at", aimed)] {
@@ -241,7 +259,10 @@ fn started_directions() {
                 let n = (CORNERS[1] - CORNERS[0]).cross(CORNERS[2] - CORNERS[0]);
                 (n.normalize(), SphereCells::even(16, 12))
             }
-            Light::Spot(spot) => (spot.axis, SphereCells::new(vec![1.0, 0.9, 0.7, 0.5, -1.0], 12, 0.0)),
+            Light::Spot(spot) => (
+                spot.axis,
+                SphereCells::new(vec![1.0, 0.9, 0.7, 0.5, -1.0], 12, 0.0),
+            ),
             _ => (Vec3::Z, SphereCells::even(16, 12)),
         };
         let up = axis.any_orthonormal_vector();
@@ -305,7 +326,11 @@ fn directions_from_the_environment() {
         let aim = lights.aim(Vec3::ZERO, &u).unwrap();
         aimed[cells.cell(local(aim.wi))] += 1.0;
         let (pdf_w, densities) = lights.environment_densities(aim.wi);
-        assert!((pdf_w / aim.pdf_w - 1.0).abs() < 1e-3, "{pdf_w} {}", aim.pdf_w);
+        assert!(
+            (pdf_w / aim.pdf_w - 1.0).abs() < 1e-3,
+            "{pdf_w} {}",
+            aim.pdf_w
+        );
         assert!((densities.pdf_a / aim.start.pdf_a - 1.0).abs() < 1e-5);
         let value = light.radiance(aim.wi);
         assert!((value - aim.value).map(f32::abs).max_channel() < 1e-4);

@@ -5,6 +5,7 @@ mod cameras;
 mod determinism;
 mod energy;
 mod lights;
+mod reference;
 mod sampling;
 mod scenes;
 mod series;

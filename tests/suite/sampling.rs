@@ -89,7 +89,13 @@ fn warps_of_directions() {
             &mut family,
             &format!("cone of cosine {cos}"),
             &SphereCells::new(heights, 12, 0.0),
-            |w| if w.z > cos { f(warp::uniform_cone_pdf_w(cos)) } else { 0.0 },
+            |w| {
+                if w.z > cos {
+                    f(warp::uniform_cone_pdf_w(cos))
+                } else {
+                    0.0
+                }
+            },
             || Some(warp::uniform_cone(random.pair(), cos)),
         );
     }
@@ -238,7 +244,10 @@ fn samples_carry_the_values_of_their_direction() {
                         "{name}: wi {} is not unit",
                         sample.wi
                     );
-                    assert!(sample.f.is_radiance() && sample.pdf_w > 0.0, "{name}: {sample:?}");
+                    assert!(
+                        sample.f.is_radiance() && sample.pdf_w > 0.0,
+                        "{name}: {sample:?}"
+                    );
                     if sample.is_delta {
                         assert!(sample.pdf_w <= 1.0 + 1e-6, "{name}: {sample:?}");
                         continue;

@@ -13,14 +13,28 @@ use neumann_tests::renders::{Setup, is_black};
 use neumann_tests::scenes::{
     Stage, ball, builtin, builtin_description, emitter, lambert, looking, rectangle, room, scaled,
 };
+use neumann_tests::statistics::Family;
 
 #[test]
 fn built_in_scenes_render_by_every_method() {
     for entry in BUILTINS {
         let scene = builtin(entry.name);
-        assert!(scene.warnings().is_empty(), "{}: {:?}", entry.name, scene.warnings());
-        assert!(scene.about().is_some(), "{}: no line on what it shows", entry.name);
-        assert!(scene.report().extensions_ignored.is_empty(), "{}", entry.name);
+        assert!(
+            scene.warnings().is_empty(),
+            "{}: {:?}",
+            entry.name,
+            scene.warnings()
+        );
+        assert!(
+            scene.about().is_some(),
+            "{}: no line on what it shows",
+            entry.name
+        );
+        assert!(
+            scene.report().extensions_ignored.is_empty(),
+            "{}",
+            entry.name
+        );
         assert!(!scene.cameras().is_empty() && !scene.lights().as_slice().is_empty());
         for &method in METHODS {
             let film = Setup::new(&scene, 24, 16).by(method).film(0, 8);
@@ -40,7 +54,9 @@ fn normals_of_built_in_scenes_lean_with_their_facets() {
     for entry in BUILTINS {
         let scene = builtin(entry.name);
         for mesh in scene.geometry().meshes() {
-            let Some(normals) = &mesh.normals else { continue };
+            let Some(normals) = &mesh.normals else {
+                continue;
+            };
             for triangle in &mesh.triangles {
                 let vertices = triangle.map(|v| v as usize);
                 let [a, b, c] = mesh.corners(vertices);
@@ -77,7 +93,11 @@ fn assert_renders(description: &SceneDescription, warnings: &[&str]) {
     let scene = Arc::new(Scene::build(description));
     for expected in warnings {
         let is_there = scene.warnings().iter().any(|w| w.contains(expected));
-        assert!(is_there, "no warning names {expected}: {:?}", scene.warnings());
+        assert!(
+            is_there,
+            "no warning names {expected}: {:?}",
+            scene.warnings()
+        );
     }
     if warnings.is_empty() {
         assert!(scene.warnings().is_empty(), "{:?}", scene.warnings());
@@ -87,7 +107,11 @@ fn assert_renders(description: &SceneDescription, warnings: &[&str]) {
         let film = Setup::new(&scene, 16, 16).by(method).film(0, 4);
         assert_eq!(film.n_refused(), 0, "{}", method.id);
         if method.id == "pt-mis" {
-            assert_eq!(film.total(), expected.total(), "the rest of the scene has changed");
+            assert_eq!(
+                film.total(),
+                expected.total(),
+                "the rest of the scene has changed"
+            );
         }
     }
 }
@@ -102,14 +126,26 @@ fn odd_meshes_are_left_out_and_named() {
     };
     let odd: Vec<(&str, MeshDescription)> = vec![
         ("not a number", moved(vec![Vec3::splat(nan); 4])),
-        ("infinite", moved(vec![Vec3::X * f32::INFINITY, Vec3::ZERO, Vec3::X, Vec3::Y])),
-        ("too large", moved(vec![Vec3::X * 1e30, Vec3::Y * 1e30, Vec3::X, Vec3::Y])),
+        (
+            "infinite",
+            moved(vec![Vec3::X * f32::INFINITY, Vec3::ZERO, Vec3::X, Vec3::Y]),
+        ),
+        (
+            "too large",
+            moved(vec![Vec3::X * 1e30, Vec3::Y * 1e30, Vec3::X, Vec3::Y]),
+        ),
         ("one point", moved(vec![Vec3::ONE * 0.2; 4])),
-        ("one line", moved((0..4).map(|i| Vec3::X * i as f32 * 0.1).collect())),
-        ("out of range", MeshDescription {
-            triangles: vec![[0, 1, 99]],
-            ..square()
-        }),
+        (
+            "one line",
+            moved((0..4).map(|i| Vec3::X * i as f32 * 0.1).collect()),
+        ),
+        (
+            "out of range",
+            MeshDescription {
+                triangles: vec![[0, 1, 99]],
+                ..square()
+            },
+        ),
     ];
     for (name, mesh) in odd {
         let mut stage = ball_in_room();
@@ -149,11 +185,14 @@ fn odd_transforms_are_left_out_and_named() {
     for instance in &mut stage.description.instances {
         instance.world_from_mesh = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
     }
-    let mirrored = Setup::new(&stage.scene(), 16, 16).film(0, 64);
-    let plain = Setup::new(&ball_in_room().scene(), 16, 16).film(0, 64);
-    for (a, b) in mirrored.layer_means().iter().zip(plain.layer_means()) {
-        assert!((a[1] - b[1]).abs() < 0.02 * b[1] + 1e-6, "{a:?} {b:?}");
+    let batches = |scene: &Arc<Scene>| Setup::new(scene, 16, 16).up_to(4).batches(16, 8, 60);
+    let (mirrored, plain) = (batches(&stage.scene()), batches(&ball_in_room().scene()));
+    let mut family = Family::default();
+    for k in 0..5 {
+        let (a, b) = (mirrored.layer(k)[1], plain.layer(k)[1]);
+        family.add(a.p_value_against(&b, 1e-5), format!("T{k}: {a:?}, {b:?}"));
     }
+    family.judge();
 }
 
 #[test]
@@ -182,7 +221,11 @@ fn odd_attributes_fall_back() {
 fn odd_lights_and_cameras_render() {
     let mut stage = ball_in_room();
     let black = Rgb::BLACK;
-    stage.light(LightKind::Point { intensity: black }, Vec3::ZERO, Vec3::NEG_Y);
+    stage.light(
+        LightKind::Point { intensity: black },
+        Vec3::ZERO,
+        Vec3::NEG_Y,
+    );
     let far = Vec3::splat(f32::NAN);
     let intensity = Rgb::WHITE;
     stage.light(LightKind::Point { intensity }, far, Vec3::NEG_Y);
@@ -208,13 +251,29 @@ fn a_scene_without_light_gets_a_white_sky() {
     let scene = stage.scene();
     assert!(scene.warnings().iter().any(|w| w.contains("no light")));
     let film = Setup::new(&scene, 16, 16).film(0, 4);
-    assert!((film.total()[0].g - 1.0).abs() < 1e-6, "the corner shows the sky");
+    assert!(
+        (film.total()[0].g - 1.0).abs() < 1e-6,
+        "the corner shows the sky"
+    );
     // Nothing at all is a picture, too.
     let scene = Stage::default().scene();
     for &method in METHODS {
         let film = Setup::new(&scene, 8, 8).by(method).film(0, 2);
-        assert!(film.total().iter().all(|c| (c.g - 1.0).abs() < 1e-6), "{}", method.id);
+        assert!(
+            film.total().iter().all(|c| (c.g - 1.0).abs() < 1e-6),
+            "{}",
+            method.id
+        );
     }
+}
+
+/// The default method without its roulette, whose noise would hide small losses.
+fn steady(scene: &Arc<Scene>) -> Setup {
+    let mut setup = Setup::new(scene, 48, 48).up_to(8);
+    let parameters = setup.settings.method.parameters;
+    let values = &mut setup.settings.values;
+    values.set(parameters, "roulette", "off").unwrap();
+    setup
 }
 
 /// Surfaces must not shadow themselves, nor leak, whatever the unit of the file.
@@ -224,12 +283,16 @@ fn scale_does_not_matter() {
         let means = |scale: f32| {
             let description = scaled(builtin_description(name), scale);
             let scene = Arc::new(Scene::build(&description));
-            Setup::new(&scene, 48, 48).film(0, 64).layer_means()
+            steady(&scene).film(0, 32).layer_means()
         };
         let expected = means(1.0);
-        for scale in [1e-3f32, 1e-2, 0.3, 7.0, 1e2, 1e4] {
+        for scale in [1e-3f32, 0.3, 1e2, 1e4] {
             for (k, (a, b)) in means(scale).iter().zip(&expected).enumerate() {
-                let exact = if name == "furnace" && k < 8 { 0.5f64.powi(k as i32) } else { b[1] };
+                let exact = if name == "furnace" && k < 8 {
+                    0.5f64.powi(k as i32)
+                } else {
+                    b[1]
+                };
                 // The same random numbers give nearly the same paths at any scale.
                 let limit = if name == "furnace" { 0.002 } else { 0.005 };
                 assert!(
@@ -245,7 +308,8 @@ fn scale_does_not_matter() {
 /// Nor where the scene stands: far from the origin, numbers are coarser.
 #[test]
 fn place_hardly_matters() {
-    let by = Mat4::from_translation(Vec3::new(300.0, -150.0, 700.0)) * Mat4::from_rotation_y(PI / 5.0);
+    let by =
+        Mat4::from_translation(Vec3::new(300.0, -150.0, 700.0)) * Mat4::from_rotation_y(PI / 5.0);
     let mut description = builtin_description("furnace");
     for instance in &mut description.instances {
         instance.world_from_mesh = by * instance.world_from_mesh;
@@ -254,9 +318,13 @@ fn place_hardly_matters() {
         camera.world_from_camera = by * camera.world_from_camera;
     }
     let scene = Arc::new(Scene::build(&description));
-    let means = Setup::new(&scene, 48, 48).film(0, 32).layer_means();
+    let means = steady(&scene).film(0, 32).layer_means();
     for (k, mean) in means.iter().enumerate().take(8) {
         let exact = 0.5f64.powi(k as i32);
-        assert!((mean[1] / exact - 1.0).abs() < 0.005, "layer {k}: {}", mean[1]);
+        assert!(
+            (mean[1] / exact - 1.0).abs() < 0.002,
+            "layer {k}: {}",
+            mean[1]
+        );
     }
 }

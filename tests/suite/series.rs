@@ -156,15 +156,25 @@ fn point_light_over_a_plane() {
     let mut stage = Stage::default();
     let intensity = Rgb::splat(5.0);
     let height = 0.7f32;
-    stage.add("floor", rectangle(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0), lambert(0.5));
-    stage.light(LightKind::Point { intensity }, Vec3::Y * height, Vec3::NEG_Y);
+    stage.add(
+        "floor",
+        rectangle(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0),
+        lambert(0.5),
+    );
+    stage.light(
+        LightKind::Point { intensity },
+        Vec3::Y * height,
+        Vec3::NEG_Y,
+    );
     // Irradiance `I cos / d²` is intensity times solid angle, so the mean over the square seen
     // is that of the square: `4 atan(a² / (h sqrt(2 a² + h²)))` for half its edge a.
     let (a, h) = (0.5f64, f64::from(height));
     let solid_angle = 4.0 * (a * a / (h * (2.0 * a * a + h * h).sqrt())).atan();
     let exact = 0.5 / std::f64::consts::PI * 5.0 * solid_angle / (4.0 * a * a);
     let camera = above_square(0.5, 0.3);
-    test_layer(&stage.scene(), &camera, 1, exact, |m| m.sight.punctual_lights);
+    test_layer(&stage.scene(), &camera, 1, exact, |m| {
+        m.sight.punctual_lights
+    });
 }
 
 #[test]
@@ -176,14 +186,20 @@ fn spot_light_over_a_plane() {
         inner_cone: 0.9,
         outer_cone: 1.2,
     };
-    stage.add("floor", rectangle(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0), lambert(0.5));
+    stage.add(
+        "floor",
+        rectangle(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0),
+        lambert(0.5),
+    );
     stage.light(kind, Vec3::Y * 0.7, Vec3::NEG_Y);
     let (a, h) = (0.5f64, f64::from(0.7f32));
     let solid_angle = 4.0 * (a * a / (h * (2.0 * a * a + h * h).sqrt())).atan();
     let exact = 0.5 / std::f64::consts::PI * 5.0 * solid_angle / (4.0 * a * a);
     let camera = above_square(0.5, 0.3);
     // The corner of the square is seen under atan(0.707 / 0.7) = 0.79.
-    test_layer(&stage.scene(), &camera, 1, exact, |m| m.sight.punctual_lights);
+    test_layer(&stage.scene(), &camera, 1, exact, |m| {
+        m.sight.punctual_lights
+    });
 }
 
 #[test]
@@ -191,11 +207,17 @@ fn directional_light_on_a_plane() {
     let mut stage = Stage::default();
     let irradiance = Rgb::splat(2.0);
     let direction = Vec3::new(0.6, -0.8, 0.0);
-    stage.add("floor", rectangle(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0), lambert(0.5));
+    stage.add(
+        "floor",
+        rectangle(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0),
+        lambert(0.5),
+    );
     stage.light(LightKind::Directional { irradiance }, Vec3::Y, direction);
     let exact = 0.5 / std::f64::consts::PI * 2.0 * 0.8;
     let camera = above_square(0.5, 0.3);
-    test_layer(&stage.scene(), &camera, 1, exact, |m| m.sight.punctual_lights);
+    test_layer(&stage.scene(), &camera, 1, exact, |m| {
+        m.sight.punctual_lights
+    });
 }
 
 #[test]
@@ -208,9 +230,15 @@ fn uniform_sky_over_a_convex_body() {
     let camera = looking(Vec3::new(0.1, 0.2, 1.05), Vec3::ZERO);
     test_layer(&scene, &camera, 1, 0.7 * 1.5, |_| true);
     for &method in METHODS {
-        let film = Setup::seen_by(&scene, camera.clone(), 16, 16).by(method).film(0, 2);
+        let film = Setup::seen_by(&scene, camera.clone(), 16, 16)
+            .by(method)
+            .film(0, 2);
         assert!(is_black(&film.layers()[0]), "{}: no sky is seen", method.id);
-        assert!(is_black(&film.layers()[2]), "{}: a convex body does not see itself", method.id);
+        assert!(
+            is_black(&film.layers()[2]),
+            "{}: a convex body does not see itself",
+            method.id
+        );
     }
 }
 
@@ -235,7 +263,9 @@ fn radiance_through_an_interface() {
     // The lamp is half a metre down, twice the distance over which half is absorbed.
     let exact = (1.0 - 0.04) * 2.0 * 0.25 / 2.25;
     let camera = above_square(0.1, 0.5);
-    test_layer(&stage.scene(), &camera, 1, exact, |m| m.sight.delta_surfaces);
+    test_layer(&stage.scene(), &camera, 1, exact, |m| {
+        m.sight.delta_surfaces
+    });
 }
 
 /// A cut leaves out what is beyond it, and nothing else.

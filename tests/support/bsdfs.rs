@@ -70,10 +70,20 @@ pub fn examples() -> Vec<Example> {
         });
     };
     let albedo = Rgb::new(0.8, 0.5, 0.1);
-    add("Lambert".into(), Bsdf::Lambert(Lambert { albedo }), 1.0, false);
+    add(
+        "Lambert".into(),
+        Bsdf::Lambert(Lambert { albedo }),
+        1.0,
+        false,
+    );
     add("mirror".into(), metal(Rgb::WHITE, 0.0), 1.0, true);
     for alpha in [0.05, 0.2, 0.5, 1.0] {
-        add(format!("white metal, alpha {alpha}"), metal(Rgb::WHITE, alpha), 1.0, true);
+        add(
+            format!("white metal, alpha {alpha}"),
+            metal(Rgb::WHITE, alpha),
+            1.0,
+            true,
+        );
     }
     add("copper, alpha 0.3".into(), metal(color, 0.3), 1.0, false);
     for (ior, alpha) in [(1.5, 0.0), (1.5, 0.1), (1.5, 0.4), (1.33, 1.0), (2.4, 0.25)] {
@@ -96,7 +106,13 @@ pub fn examples() -> Vec<Example> {
     }
     let tinted = glass(1.5, color, 0.2, Walls::Solid);
     add("tinted glass".into(), Bsdf::Dielectric(tinted), 1.5, false);
-    for (metallic, alpha) in [(0.0, 0.0), (0.0, 0.05), (0.0, 0.36), (0.0, 1.0), (0.4, 0.25)] {
+    for (metallic, alpha) in [
+        (0.0, 0.0),
+        (0.0, 0.05),
+        (0.0, 0.36),
+        (0.0, 1.0),
+        (0.4, 0.25),
+    ] {
         add(
             format!("opaque, metallic {metallic}, alpha {alpha}"),
             Bsdf::MetallicRoughness(opaque(color, metallic, alpha)),
@@ -118,7 +134,12 @@ pub fn examples() -> Vec<Example> {
             glass: glass(1.5, color, solid_alpha, Walls::Solid),
             glass_share: share,
         };
-        add(format!("plastic and {name} glass"), Bsdf::Mix(mix), 1.5, false);
+        add(
+            format!("plastic and {name} glass"),
+            Bsdf::Mix(mix),
+            1.5,
+            false,
+        );
     }
     list
 }

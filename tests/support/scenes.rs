@@ -43,7 +43,8 @@ pub fn scaled(mut description: SceneDescription, scale: f32) -> SceneDescription
         instance.world_from_mesh = by * instance.world_from_mesh;
     }
     for camera in &mut description.cameras {
-        camera.world_from_camera.w_axis = (camera.world_from_camera.w_axis.truncate() * scale).extend(1.0);
+        camera.world_from_camera.w_axis =
+            (camera.world_from_camera.w_axis.truncate() * scale).extend(1.0);
     }
     description
 }
@@ -150,7 +151,8 @@ pub fn ball(radius: f32) -> MeshDescription {
         let (sin, cos) = (PI * ring as f32 / n_rings as f32).sin_cos();
         for column in 0..n_columns {
             let (s, c) = (2.0 * PI * column as f32 / n_columns as f32).sin_cos();
-            mesh.positions.push(Vec3::new(sin * s, cos, sin * c) * radius);
+            mesh.positions
+                .push(Vec3::new(sin * s, cos, sin * c) * radius);
         }
     }
     for ring in 0..n_rings {
@@ -174,11 +176,7 @@ pub fn ball(radius: f32) -> MeshDescription {
 pub fn above_square(half: f32, height: f32) -> CameraDescription {
     CameraDescription {
         name: "above".to_owned(),
-        world_from_camera: CameraDescription::looking_at(
-            Vec3::Y * height,
-            Vec3::ZERO,
-            Vec3::NEG_Z,
-        ),
+        world_from_camera: CameraDescription::looking_at(Vec3::Y * height, Vec3::ZERO, Vec3::NEG_Z),
         aspect_ratio: None,
         projection: Projection::Orthographic { ymag: half },
         lens: None,

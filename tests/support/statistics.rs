@@ -208,7 +208,9 @@ mod tests {
     #[test]
     fn tails_agree_with_tables() {
         // Quantiles: chi-square 18.307 with 10 degrees of freedom, Student 2.228 with 10.
-        let observed: Vec<f64> = (0..11).map(|i| if i == 0 { 140.79 } else { 95.921 }).collect();
+        let observed: Vec<f64> = (0..11)
+            .map(|i| if i == 0 { 140.79 } else { 95.921 })
+            .collect();
         let result = chi_square(&observed, &[100.0; 11]);
         assert!((result.statistic - 18.3).abs() < 0.1 && (result.p_value - 0.05).abs() < 0.002);
         let values: Vec<f64> = (0..11).map(|i| f64::from(i) - 5.0).collect();

@@ -14,6 +14,6 @@ mod settings;
 pub use cancel::{CancelToken, Cancelled};
 pub use pass::{Pass, Sink};
 pub use pool::WorkerPool;
-pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule};
+pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule, Thumbnail};
 pub use renderer::Renderer;
 pub use settings::RenderSettings;

@@ -1,0 +1,292 @@
+//! The lecture's own figure, alive: the terms of the series, and below them its partial sums.
+
+use egui::{Align2, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2};
+use neumann_core::film::View;
+
+use crate::display::{Draw, Slot, ViewSettings};
+use crate::formula::{self, Formula};
+use crate::picture::Picture;
+use crate::theme::{self, GRID, Palette};
+use crate::widgets::{focus_ring, segmented, segmented_width};
+
+/// Height that the filmstrip takes in a window of the given size.
+#[must_use]
+pub fn height(window: Vec2) -> f32 {
+    if is_folded(window) {
+        44.0
+    } else {
+        2.0 * row_height(window) + 3.0 * GRID
+    }
+}
+
+fn is_folded(window: Vec2) -> bool {
+    window.y < 640.0 || window.x < 1000.0
+}
+
+fn row_height(window: Vec2) -> f32 {
+    if window.y < 960.0 { 80.0 } else { 112.0 }
+}
+
+/// Width of the names of the rows.
+const MARGIN: f32 = 80.0;
+
+/// Draws the filmstrip into `rect`; a click chooses a view. Thumbnails are draw calls from
+/// number `first_draw` on; yields the number of the next.
+pub fn show(
+    ui: &mut Ui,
+    rect: Rect,
+    picture: &Picture,
+    settings: &mut ViewSettings,
+    first_draw: usize,
+) -> usize {
+    let p = Palette::of(ui);
+    ui.painter().rect_filled(rect, 0, p.panel);
+    ui.painter()
+        .hline(rect.x_range(), rect.top(), (1.0, p.line));
+    let window = ui.ctx().content_rect().size();
+    let n_layers = picture.shares.len().saturating_sub(1).max(1);
+    let n_layers = if picture.shares.is_empty() {
+        8
+    } else {
+        n_layers
+    };
+    if is_folded(window) {
+        chips(
+            ui,
+            rect.shrink2(Vec2::new(2.0 * GRID, GRID)),
+            picture,
+            settings,
+            n_layers,
+        );
+        return first_draw;
+    }
+    let mut next_draw = first_draw;
+    let row_height = row_height(window);
+    for (row, is_sum) in [(0.0, false), (1.0, true)] {
+        let top = rect.top() + GRID + row * (row_height + GRID);
+        row_name(
+            ui,
+            pos2(rect.left() + 2.0 * GRID, top + row_height / 2.0),
+            is_sum,
+        );
+        let left = rect.left() + MARGIN;
+        let room = rect.right() - 2.0 * GRID - left;
+        let pitch = (room + GRID) / (n_layers + 1) as f32;
+        for place in 0..=n_layers {
+            let tile = Rect::from_min_max(
+                pos2((left + pitch * place as f32).round(), top),
+                pos2(
+                    (left + pitch * (place + 1) as f32 - GRID).round(),
+                    top + row_height,
+                ),
+            );
+            tile_of(
+                ui,
+                tile,
+                picture,
+                settings,
+                (is_sum, place, n_layers),
+                next_draw,
+            );
+            next_draw += 1;
+        }
+    }
+    next_draw
+}
+
+fn row_name(ui: &Ui, at: egui::Pos2, is_sum: bool) {
+    let p = Palette::of(ui);
+    let painter = ui.painter();
+    let name = if is_sum { "sums" } else { "terms" };
+    painter.text(at, Align2::LEFT_BOTTOM, name, theme::body(), p.text);
+    if is_sum {
+        painter.text(at, Align2::LEFT_TOP, "up to k", theme::small(), p.weak);
+    } else {
+        Formula::general_term(painter, theme::SMALL, p.weak).paint(painter, at);
+    }
+}
+
+/// What a place on the strip shows.
+fn view_at(is_sum: bool, place: usize, n_layers: usize) -> View {
+    let mut settings = ViewSettings::default();
+    settings.choose(is_sum, place, n_layers);
+    settings.view
+}
+
+fn tile_of(
+    ui: &Ui,
+    tile: Rect,
+    picture: &Picture,
+    settings: &mut ViewSettings,
+    (is_sum, place, n_layers): (bool, usize, usize),
+    draw: usize,
+) {
+    let p = Palette::of(ui);
+    let view = view_at(is_sum, place, n_layers);
+    let response = ui.interact(
+        tile,
+        ui.scope_id().with(("tile", is_sum, place)),
+        Sense::click(),
+    );
+    if response.clicked() {
+        settings.view = view;
+    }
+    let is_chosen = settings.view == view;
+    let fill = if response.hovered() {
+        p.hovered
+    } else {
+        p.raised
+    };
+    let painter = ui.painter().with_clip_rect(tile.expand(2.0));
+    painter.rect_filled(tile, 4, fill);
+    let inner = tile.shrink(3.0);
+    let aspect = picture
+        .thumbnails
+        .first()
+        .map_or(1.0, |t| t.width as f32 / t.height.max(1) as f32);
+    let bar_height = 3.0;
+    let has_text_below = aspect > 1.3;
+    let room = if has_text_below {
+        Vec2::new(inner.width(), inner.height() - 20.0 - bar_height)
+    } else {
+        Vec2::new(inner.width() - 60.0, inner.height() - bar_height - 2.0)
+    };
+    let size = if room.x / room.y > aspect {
+        Vec2::new(room.y * aspect, room.y)
+    } else {
+        Vec2::new(room.x, room.x / aspect)
+    };
+    let image = if has_text_below {
+        let center = pos2(inner.center().x, inner.top() + room.y / 2.0);
+        Rect::from_center_size(center, size)
+    } else {
+        Rect::from_min_size(
+            pos2(inner.left(), inner.top() + (room.y - size.y) / 2.0),
+            size,
+        )
+    };
+    let image = Rect::from_min_max(image.min.round(), image.max.round());
+    painter.rect_filled(image, 0, egui::Color32::BLACK);
+    let n_rows = 2 * picture.thumbnails.len();
+    if n_rows > 0 {
+        let mut look = settings.look();
+        let row = place + if is_sum { picture.thumbnails.len() } else { 0 };
+        // Half a texel is left out above and below, so that neighbours do not shine in.
+        let height = picture.thumbnails.first().map_or(1, |t| t.height) as f32;
+        let texel = 1.0 / (n_rows as f32 * height);
+        let origin = row as f32 / n_rows as f32 + 0.5 * texel;
+        look.left = [0.0, origin, 1.0, 1.0 / n_rows as f32 - texel];
+        look.right = look.left;
+        painter.add(egui_wgpu::Callback::new_paint_callback(
+            image,
+            Draw {
+                planes: picture.planes.clone(),
+                left: Slot::Thumbnails,
+                right: Slot::Thumbnails,
+                look,
+                variant: settings.variant(true),
+                index: draw,
+            },
+        ));
+    }
+    let share = picture.share(view);
+    let share_text = share.map_or_else(String::new, |s| format!("{:.1} %", 100.0 * s));
+    let name_color = if is_chosen { p.strong } else { p.text };
+    let name = Formula::name(&painter, view, theme::BODY, name_color);
+    if has_text_below {
+        let y = inner.bottom() - bar_height - 10.0;
+        name.paint(&painter, pos2(inner.left() + 3.0, y - 9.0));
+        let at = pos2(inner.right() - 3.0, y);
+        painter.text(at, Align2::RIGHT_CENTER, share_text, theme::small(), p.weak);
+    } else {
+        let x = image.right() + GRID;
+        name.paint(&painter, pos2(x, inner.center().y - 18.0));
+        let at = pos2(x, inner.center().y + 8.0);
+        painter.text(at, Align2::LEFT_CENTER, share_text, theme::small(), p.weak);
+    }
+    let track = Rect::from_min_max(
+        pos2(tile.left() + 3.0, tile.bottom() - 4.0),
+        tile.max - Vec2::new(3.0, 2.0),
+    );
+    painter.rect_filled(track, 1, p.line);
+    let width = track.width() * share.unwrap_or(0.0).clamp(0.0, 1.0) as f32;
+    let filled = Rect::from_min_size(track.min, Vec2::new(width, track.height()));
+    painter.rect_filled(filled, 1, if is_chosen { p.amber } else { p.fill });
+    if is_chosen {
+        let stroke = Stroke::new(1.5, p.amber);
+        painter.rect_stroke(tile, 4, stroke, StrokeKind::Inside);
+    }
+    focus_ring(ui, &response, tile, 4);
+    name_for_ears(&response, view, is_chosen, share);
+}
+
+fn name_for_ears(response: &egui::Response, view: View, is_chosen: bool, share: Option<f64>) {
+    response.widget_info(|| {
+        WidgetInfo::selected(Role::RadioButton, true, is_chosen, formula::spoken(view))
+    });
+    response.ctx.accesskit_node_builder(response.id, |node| {
+        let share = share.map_or_else(String::new, |s| {
+            format!(", {:.1} % of the energy", 100.0 * s)
+        });
+        node.set_description(format!("{}{share}", view.caption()));
+    });
+}
+
+/// The strip of a small window: one row, names and shares only.
+fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings, n_layers: usize) {
+    let p = Palette::of(ui);
+    let (is_sum, place) = settings.place(n_layers);
+    let labels = ["terms", "sums"];
+    let width = segmented_width(ui, &labels);
+    let switch = Rect::from_min_size(rect.min, Vec2::new(width, rect.height()));
+    let clicked = ui
+        .scope_builder(
+            egui::UiBuilder::new().max_rect(switch).id_salt("row"),
+            |ui| segmented(ui, "row", &labels, usize::from(is_sum)),
+        )
+        .inner;
+    if let Some(row) = clicked {
+        settings.choose(row == 1, place, n_layers);
+    }
+    let left = switch.right() + GRID;
+    let pitch = (rect.right() + 4.0 - left) / (n_layers + 1) as f32;
+    for place in 0..=n_layers {
+        let view = view_at(is_sum, place, n_layers);
+        let chip = Rect::from_min_max(
+            pos2((left + pitch * place as f32).round(), rect.top()),
+            pos2(
+                (left + pitch * (place + 1) as f32 - 4.0).round(),
+                rect.bottom(),
+            ),
+        );
+        let response = ui.interact(
+            chip,
+            ui.scope_id().with(("tile", is_sum, place)),
+            Sense::click(),
+        );
+        if response.clicked() {
+            settings.view = view;
+        }
+        let is_chosen = settings.view == view;
+        let fill = if response.hovered() {
+            p.hovered
+        } else {
+            p.raised
+        };
+        let painter = ui.painter().with_clip_rect(chip);
+        painter.rect_filled(chip, 4, fill);
+        let share = picture.share(view);
+        let text = share.map_or_else(String::new, |s| format!("{:.0} %", 100.0 * s));
+        let name = Formula::name(&painter, view, theme::BODY, p.text);
+        let y = chip.center().y;
+        name.paint(&painter, pos2(chip.left() + 6.0, y - 10.0));
+        let at = pos2(chip.right() - 6.0, y);
+        painter.text(at, Align2::RIGHT_CENTER, text, theme::small(), p.weak);
+        if is_chosen {
+            let stroke = Stroke::new(1.5, p.amber);
+            painter.rect_stroke(chip, 4, stroke, StrokeKind::Inside);
+        }
+        focus_ring(ui, &response, chip, 4);
+        name_for_ears(&response, view, is_chosen, share);
+    }
+}

@@ -1,0 +1,152 @@
+//! Names of views, set as formulas with true sub- and superscripts.
+//!
+//! `T²L_e` is four pieces of text on three baselines. The first is that of the
+//! line; exponents stand above it and indices below, at 0.68 of its size.
+
+use std::sync::Arc;
+
+use egui::{Color32, Galley, Painter, Pos2, Vec2};
+use neumann_core::film::View;
+
+use crate::theme;
+
+/// Where a piece stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    Line,
+    Exponent,
+    Index,
+}
+
+/// A formula, laid out and ready to paint.
+pub struct Formula {
+    pieces: Vec<(Vec2, Arc<Galley>)>,
+    /// Size of its box; exponents and indices included.
+    pub size: Vec2,
+}
+
+const SCRIPT_SIZE: f32 = 0.68;
+const RAISE: f32 = 0.36;
+const LOWER: f32 = 0.18;
+
+impl Formula {
+    /// The short name of a view, as under a thumbnail: `T²L_e`, `≤ 3`, `tail`, `L`.
+    #[must_use]
+    pub fn name(painter: &Painter, view: View, size: f32, color: Color32) -> Self {
+        let mut text = Vec::new();
+        match view {
+            View::Total => text.push(("L".to_owned(), Place::Line)),
+            View::Tail => text.push(("tail".to_owned(), Place::Line)),
+            View::Term(k) => push_term(&mut text, k),
+            View::Upto(k) => text.push((format!("≤ {k}"), Place::Line)),
+        }
+        Self::layout(painter, &text, size, color)
+    }
+
+    /// The full formula of a view, as on the picture: `L_e + … + T³L_e`.
+    #[must_use]
+    pub fn full(painter: &Painter, view: View, size: f32, color: Color32) -> Self {
+        let View::Upto(last) = view else {
+            return Self::name(painter, view, size, color);
+        };
+        let mut text = Vec::new();
+        for k in 0..=last {
+            let is_elided = last > 3 && k > 1 && k < last;
+            if is_elided && k > 2 {
+                continue;
+            }
+            if k > 0 {
+                text.push((" + ".to_owned(), Place::Line));
+            }
+            if is_elided {
+                text.push(("…".to_owned(), Place::Line));
+            } else {
+                push_term(&mut text, k);
+            }
+        }
+        Self::layout(painter, &text, size, color)
+    }
+
+    /// `T^k L_e`, the general term.
+    #[must_use]
+    pub fn general_term(painter: &Painter, size: f32, color: Color32) -> Self {
+        let text = [
+            ("T".to_owned(), Place::Line),
+            ("k".to_owned(), Place::Exponent),
+            ("L".to_owned(), Place::Line),
+            ("e".to_owned(), Place::Index),
+        ];
+        Self::layout(painter, &text, size, color)
+    }
+
+    /// Paints with the top left corner of its box at `at`.
+    pub fn paint(&self, painter: &Painter, at: Pos2) {
+        for (offset, galley) in &self.pieces {
+            painter.galley(at + *offset, Arc::clone(galley), Color32::PLACEHOLDER);
+        }
+    }
+
+    fn layout(painter: &Painter, text: &[(String, Place)], size: f32, color: Color32) -> Self {
+        let line_baseline = size * 1.15;
+        let mut x = 0.0;
+        let mut bottom: f32 = 0.0;
+        let mut pieces = Vec::with_capacity(text.len());
+        for (piece, place) in text {
+            let (scale, shift) = match place {
+                Place::Line => (1.0, 0.0),
+                Place::Exponent => (SCRIPT_SIZE, -RAISE),
+                Place::Index => (SCRIPT_SIZE, LOWER),
+            };
+            let font = theme::sized(size * scale);
+            let galley = painter.layout_no_wrap(piece.clone(), font, color);
+            let baseline = baseline_of(&galley).unwrap_or(size * scale);
+            let y = line_baseline + size * shift - baseline;
+            let width = galley.size().x;
+            bottom = bottom.max(y + galley.size().y);
+            pieces.push((Vec2::new(x, y), galley));
+            // Scripts stand a little apart from what follows them.
+            x += width
+                + if *place == Place::Line {
+                    0.0
+                } else {
+                    size * 0.05
+                };
+        }
+        Self {
+            pieces,
+            size: Vec2::new(x, bottom),
+        }
+    }
+}
+
+/// A view's name in plain text, for those who hear the window: `T^2 L_e`.
+#[must_use]
+pub fn spoken(view: View) -> String {
+    match view {
+        View::Total => "everything, L".to_owned(),
+        View::Tail => "tail".to_owned(),
+        View::Term(0) => "term L_e".to_owned(),
+        View::Term(1) => "term T L_e".to_owned(),
+        View::Term(k) => format!("term T^{k} L_e"),
+        View::Upto(k) => format!("sum up to {k}"),
+    }
+}
+
+fn push_term(text: &mut Vec<(String, Place)>, k: usize) {
+    match k {
+        0 => {}
+        1 => text.push(("T ".to_owned(), Place::Line)),
+        _ => {
+            text.push(("T".to_owned(), Place::Line));
+            text.push((k.to_string(), Place::Exponent));
+        }
+    }
+    text.push(("L".to_owned(), Place::Line));
+    text.push(("e".to_owned(), Place::Index));
+}
+
+fn baseline_of(galley: &Galley) -> Option<f32> {
+    let row = galley.rows.first()?;
+    let glyph = row.row.glyphs.first()?;
+    Some(row.pos.y + glyph.pos.y)
+}

@@ -1,0 +1,101 @@
+//! Notices: what the window has to say, until it has been read.
+
+use egui::{Align2, Context, Frame, Id, Label, Margin, RichText, Stroke};
+
+use crate::theme::{self, GRID, Palette};
+use crate::widgets::{Icon, icon_button};
+
+/// Sentences for the user, newest last.
+#[derive(Debug, Default)]
+pub struct Notices {
+    entries: Vec<Notice>,
+}
+
+#[derive(Debug)]
+struct Notice {
+    text: String,
+    /// Seconds of egui's clock after which it goes by itself; failures stay.
+    until: Option<f64>,
+}
+
+impl Notices {
+    /// Something went wrong: stays until closed.
+    pub fn failure(&mut self, text: impl Into<String>) {
+        self.push(text.into(), None);
+    }
+
+    /// Something was done: goes by itself.
+    pub fn remark(&mut self, ctx: &Context, text: impl Into<String>) {
+        let until = ctx.input(|i| i.time) + 6.0;
+        self.push(text.into(), Some(until));
+    }
+
+    fn push(&mut self, text: String, until: Option<f64>) {
+        self.entries.retain(|n| n.text != text);
+        self.entries.push(Notice { text, until });
+        let excess = self.entries.len().saturating_sub(4);
+        self.entries.drain(..excess);
+    }
+
+    /// The texts now shown.
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().map(|n| n.text.as_str())
+    }
+
+    /// Closes the newest; true if there was one.
+    pub fn close_newest(&mut self) -> bool {
+        self.entries.pop().is_some()
+    }
+
+    /// Draws them in the lower left corner of `area`.
+    pub fn show(&mut self, ctx: &Context, area: egui::Rect) {
+        let now = ctx.input(|i| i.time);
+        self.entries.retain(|n| n.until.is_none_or(|t| t > now));
+        if let Some(next) = self.entries.iter().filter_map(|n| n.until).reduce(f64::min) {
+            ctx.request_repaint_after_secs((next - now).max(0.05) as f32);
+        }
+        if self.entries.is_empty() {
+            return;
+        }
+        let mut closed = None;
+        egui::Area::new(Id::unique("notices"))
+            .anchor(
+                Align2::LEFT_BOTTOM,
+                egui::vec2(
+                    area.left() + 2.0 * GRID,
+                    area.bottom() - ctx.content_rect().bottom() - 2.0 * GRID,
+                ),
+            )
+            .show(ctx, |ui| {
+                let p = Palette::of(ui);
+                for (i, notice) in self.entries.iter().enumerate() {
+                    Frame::new()
+                        .fill(p.panel)
+                        .stroke(Stroke::new(1.0, p.line))
+                        .corner_radius(6)
+                        .inner_margin(Margin {
+                            left: 12,
+                            right: 4,
+                            top: 4,
+                            bottom: 4,
+                        })
+                        .show(ui, |ui| {
+                            ui.horizontal(|ui| {
+                                let width = (area.width() - 120.0).clamp(160.0, 480.0);
+                                ui.scope(|ui| {
+                                    ui.set_max_width(width);
+                                    let text = RichText::new(&notice.text).font(theme::body());
+                                    ui.add(Label::new(text).wrap());
+                                });
+                                if icon_button(ui, Icon::Close, "close notice", "Esc").clicked() {
+                                    closed = Some(i);
+                                }
+                            });
+                        });
+                }
+            });
+        if let Some(i) = closed {
+            self.entries.remove(i);
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! What the command hands to the window.
+
+use std::path::PathBuf;
+
+use glam::Vec3;
+use neumann_core::film::View;
+use neumann_core::render::StopRule;
+use neumann_picture::tone::ToneCurve;
+
+/// How the window begins.
+#[derive(Clone, Debug, Default)]
+pub struct ViewOptions {
+    /// Name of a built-in scene, or a path; empty for `cornell`.
+    pub scene: String,
+    /// Id of a method.
+    pub integrator: Option<String>,
+    /// Parameters of the method, as `--set` gives them.
+    pub set: Vec<(String, String)>,
+    /// Where the camera stands.
+    pub camera: CameraOptions,
+    /// Environment in place of the scene's.
+    pub environment: EnvironmentOptions,
+    /// Terms with `k` up to and including this one are computed.
+    pub max_bounces: Option<u32>,
+    /// Bounce layers kept apart.
+    pub layers: Option<usize>,
+    /// Seed of all random numbers.
+    pub seed: Option<u64>,
+    /// Size of the film; otherwise it follows the window.
+    pub size: Option<(usize, usize)>,
+    /// When rendering is done.
+    pub stop: StopRule,
+    /// Which part of the series is shown.
+    pub view: View,
+    /// Exposure, stops.
+    pub exposure_ev: f32,
+    /// Tone curve.
+    pub tone: ToneCurve,
+    /// Threads that render; all that there are, if `None`.
+    pub threads: Option<usize>,
+    /// Draw the window to a file instead of on a display.
+    pub screenshot: Option<Screenshot>,
+    /// Let relative URIs leave the scene's folder.
+    pub allow_outside: bool,
+}
+
+/// A picture of the window itself.
+#[derive(Clone, Debug)]
+pub struct Screenshot {
+    /// The PNG file.
+    pub path: PathBuf,
+    /// Iterations at full resolution to wait for.
+    pub after_iterations: u32,
+    /// Size of the window, pixels.
+    pub size: (u32, u32),
+    /// The light theme.
+    pub light_theme: bool,
+}
+
+/// Which camera, and what about it is different.
+#[derive(Clone, Debug, Default)]
+pub struct CameraOptions {
+    /// Name or number of a camera of the file.
+    pub camera: Option<String>,
+    /// Where it stands.
+    pub eye: Option<Vec3>,
+    /// What it looks at.
+    pub target: Option<Vec3>,
+    /// What is up for it.
+    pub up: Option<Vec3>,
+    /// Vertical angle of view, degrees.
+    pub fov: Option<f32>,
+    /// Diameter of the lens opening, metres.
+    pub aperture: Option<f32>,
+    /// Distance of what is sharp, metres.
+    pub focus: Option<f32>,
+}
+
+/// An environment map in place of the scene's.
+#[derive(Clone, Debug, Default)]
+pub struct EnvironmentOptions {
+    /// The `.hdr` or `.exr` file.
+    pub file: Option<PathBuf>,
+    /// Factor.
+    pub intensity: Option<f32>,
+    /// Turn about the vertical, degrees.
+    pub rotation: Option<f32>,
+}
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+pub enum ViewError {
+    /// There is no display to open a window on.
+    #[error(
+        "no display to open a window on ({0}); set DISPLAY or WAYLAND_DISPLAY, or use 'neumann render' or 'neumann series'"
+    )]
+    NoDisplay(String),
+    /// There is no graphics adapter, not even a software one.
+    #[error(
+        "no graphics adapter ({0}); install a Vulkan driver (on Debian a software one is in mesa-vulkan-drivers), or use 'neumann render' or 'neumann series'"
+    )]
+    NoAdapter(String),
+    /// Something else.
+    #[error("{0}")]
+    Other(String),
+}

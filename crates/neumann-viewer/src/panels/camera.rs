@@ -1,0 +1,76 @@
+//! The camera: where it stands, its angle of view, its lens.
+
+use egui::Ui;
+
+use crate::app::App;
+use crate::theme::GRID;
+use crate::widgets::{Slider, button, fact, heading, paragraph, rule, significant};
+
+pub(super) fn show(ui: &mut Ui, app: &mut App) {
+    heading(ui, "Camera");
+    let aspect = app.setup.size.0.max(1) as f32 / app.setup.size.1.max(1) as f32;
+    let Some(control) = &mut app.setup.camera else {
+        paragraph(ui, "There is none without a scene.");
+        return;
+    };
+    let name = control.camera().name.clone();
+    if !name.is_empty() {
+        paragraph(ui, &name);
+    }
+    ui.add_space(GRID / 2.0);
+    let place = |v: glam::Vec3| {
+        [v.x, v.y, v.z]
+            .map(|c| significant(f64::from((c * 1000.0).round() / 1000.0), 4))
+            .join("  ")
+    };
+    fact(ui, "eye", &place(control.eye()));
+    fact(ui, "target", &place(control.target()));
+    let mut is_changed = false;
+    ui.add_space(GRID / 2.0);
+    ui.horizontal(|ui| {
+        if button(ui, "Frame all").clicked() {
+            control.frame_all(aspect);
+            is_changed = true;
+        }
+        if button(ui, "Reset").clicked() {
+            control.reset();
+            is_changed = true;
+        }
+    });
+    ui.add_space(GRID);
+    if let Some(fov) = control.fov() {
+        let mut degrees = f64::from(fov.to_degrees());
+        let slider = Slider::new("field of view", 1.0, 170.0)
+            .unit("°")
+            .about("Vertical angle of view.");
+        if slider.show(ui, &mut degrees).changed() {
+            control.set_fov((degrees as f32).to_radians());
+            is_changed = true;
+        }
+    }
+    rule(ui);
+    heading(ui, "Lens");
+    let radius = f64::from(control.radius());
+    let mut lens = control.lens();
+    let mut aperture = f64::from(lens.aperture);
+    let opening = Slider::new("aperture", 0.0, radius * 0.5)
+        .unit("m")
+        .logarithmic(true)
+        .default(0.0)
+        .about("Diameter of the opening; 0 is a pinhole, where everything is sharp.");
+    let mut is_lens_changed = opening.show(ui, &mut aperture).changed();
+    let mut focus = f64::from(lens.focus_distance);
+    let distance = Slider::new("focus", radius * 0.01, radius * 10.0)
+        .unit("m")
+        .logarithmic(true)
+        .about("Distance of the plane that is sharp.");
+    is_lens_changed |= distance.show(ui, &mut focus).changed();
+    if is_lens_changed {
+        lens.aperture = aperture as f32;
+        lens.focus_distance = focus as f32;
+        control.set_lens(lens);
+        is_changed = true;
+    }
+    paragraph(ui, "Alt and a click on the picture focuses there.");
+    app.setup.is_changed |= is_changed;
+}

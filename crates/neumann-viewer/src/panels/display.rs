@@ -1,0 +1,128 @@
+//! How the picture is shown: nothing here renders anew.
+
+use std::path::PathBuf;
+
+use egui::Ui;
+use neumann_picture::false_colour::ColourMap;
+use neumann_picture::tone::ToneCurve;
+
+use crate::app::App;
+use crate::keys::Action;
+use crate::scene_source::Wanted;
+use crate::theme::GRID;
+use crate::widgets::{
+    Slider, button, choice_row, fact, heading, hint, paragraph, rule, switch, text_field,
+};
+
+pub(super) fn show(ui: &mut Ui, app: &mut App) {
+    heading(ui, "Exposure and tone");
+    let viewing = &mut app.viewing;
+    let mut ev = f64::from(viewing.exposure_ev);
+    let slider = Slider::new("exposure", -16.0, 16.0).unit("EV").default(0.0);
+    if slider.show(ui, &mut ev).changed() {
+        viewing.exposure_ev = ev as f32;
+        viewing.is_auto = false;
+    }
+    if switch(ui, "automatic", &mut viewing.is_auto).changed() && viewing.is_auto {
+        viewing.exposure_ev = app.picture.auto_exposure(viewing.view);
+    }
+    let names = ToneCurve::ALL.map(ToneCurve::name);
+    let chosen = ToneCurve::ALL.iter().position(|t| *t == viewing.tone);
+    if let Some(i) = choice_row(ui, "tone curve", &names, chosen.unwrap_or(0)) {
+        viewing.tone = ToneCurve::ALL[i];
+    }
+    rule(ui);
+    heading(ui, "False colour");
+    switch(ui, "luminance as colour", &mut viewing.is_false_colour);
+    if viewing.is_false_colour {
+        let names = ColourMap::ALL.map(ColourMap::name);
+        let chosen = ColourMap::ALL.iter().position(|m| *m == viewing.map);
+        if let Some(i) = choice_row(ui, "colours", &names, chosen.unwrap_or(0)) {
+            viewing.map = ColourMap::ALL[i];
+        }
+        let mut stops = f64::from(viewing.map_stops);
+        let slider = Slider::new("span", 2.0, 24.0).unit("stops").default(10.0);
+        slider.show(ui, &mut stops);
+        viewing.map_stops = stops as f32;
+    }
+    rule(ui);
+    heading(ui, "Magnify");
+    let size = viewing
+        .zoom
+        .map_or_else(|| "whole picture".to_owned(), |z| format!("{z:.2} ×"));
+    fact(ui, "pixels", &size);
+    let mut actions = Vec::new();
+    ui.horizontal(|ui| {
+        for (name, action) in [
+            ("−", Action::Zoom(-1)),
+            ("+", Action::Zoom(1)),
+            ("Whole", Action::ZoomFit),
+        ] {
+            if button(ui, name).clicked() {
+                actions.push(action);
+            }
+        }
+    });
+    hint(ui, "or the wheel with Ctrl; right drag moves");
+    compare(ui, app, &mut actions);
+    for action in actions {
+        app.perform(ui.ctx(), action);
+    }
+}
+
+fn compare(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+    rule(ui);
+    heading(ui, "Compare");
+    for (i, name) in ["A", "B"].into_iter().enumerate() {
+        let held = app.picture.held.get(i).and_then(Option::as_ref);
+        let text = match (held, i) {
+            (Some(held), _) => held.label.clone(),
+            (None, 0) => "nothing held".to_owned(),
+            (None, _) => "the live picture".to_owned(),
+        };
+        fact(ui, name, &text);
+    }
+    ui.horizontal(|ui| {
+        if button(ui, "Hold as A").clicked() {
+            actions.push(Action::HoldA);
+        }
+        if button(ui, "Hold as B").clicked() {
+            actions.push(Action::HoldB);
+        }
+    });
+    let is_held = app.picture.held[0].is_some();
+    let mut is_wiping = app.viewing.is_wiping;
+    ui.add_enabled_ui(is_held, |ui| {
+        if switch(ui, "wipe A | B", &mut is_wiping).changed() {
+            actions.push(Action::Wipe);
+        }
+    });
+    if app.viewing.is_wiping {
+        let mut place = f64::from(app.viewing.wipe);
+        Slider::new("place of the wipe", 0.0, 1.0)
+            .default(0.5)
+            .show(ui, &mut place);
+        app.viewing.wipe = place as f32;
+    }
+    ui.add_space(GRID);
+    match &app.picture.reference {
+        Some(name) => hint(ui, name),
+        None => paragraph(ui, "No reference; load an EXR to see the difference to it."),
+    }
+    text_field(ui, "path of a reference", &mut app.reference_path);
+    ui.horizontal(|ui| {
+        if button(ui, "Load").clicked() && !app.reference_path.trim().is_empty() {
+            let path = PathBuf::from(app.reference_path.trim());
+            app.background.open_reference(path);
+        }
+        if button(ui, "Browse …").clicked() {
+            app.background.choose(Wanted::Reference);
+        }
+    });
+    let mut is_difference = app.viewing.is_difference;
+    ui.add_enabled_ui(app.picture.reference.is_some(), |ui| {
+        if switch(ui, "difference", &mut is_difference).changed() {
+            actions.push(Action::Difference);
+        }
+    });
+}

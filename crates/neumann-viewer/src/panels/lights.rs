@@ -1,0 +1,123 @@
+//! Lights: on or off, brighter or darker; the environment.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use egui::Ui;
+use neumann_core::scene::{Appearance, Level};
+
+use crate::app::App;
+use crate::scene_source::Wanted;
+use crate::widgets::{Slider, button, fold, hint, switch, text_field};
+
+pub(super) fn show(ui: &mut Ui, app: &mut App) {
+    let Some(open) = &app.setup.open else { return };
+    let mut edited = None;
+    if fold(ui, "Lights", true) {
+        let mut appearance = open.scene.appearance().clone();
+        if lights(ui, &mut appearance) {
+            edited = Some(appearance);
+        }
+    }
+    if fold(ui, "Environment", false) {
+        let mut appearance = edited
+            .take()
+            .unwrap_or_else(|| open.scene.appearance().clone());
+        let is_changed = environment(ui, app, &mut appearance);
+        edited = is_changed.then_some(appearance);
+    }
+    if let Some(appearance) = edited {
+        app.setup.dress(appearance);
+    }
+}
+
+fn lights(ui: &mut Ui, appearance: &mut Appearance) -> bool {
+    /// More would make the panel a phone book.
+    const MOST: usize = 24;
+    let mut is_changed = false;
+    let mut n_shown = 0;
+    let mut n_lights = 0;
+    let emitters = appearance
+        .materials
+        .iter()
+        .zip(&mut appearance.material_levels)
+        .enumerate()
+        .filter(|(_, (m, _))| !m.emission.is_black())
+        .map(|(i, (m, level))| (("material", i, m.name.clone()), level));
+    let punctual = appearance
+        .lights
+        .iter()
+        .zip(&mut appearance.light_levels)
+        .enumerate()
+        .map(|(i, (light, level))| (("light", i, light.name.clone()), level));
+    for ((kind, i, name), level) in emitters.chain(punctual) {
+        n_lights += 1;
+        if n_shown < MOST {
+            n_shown += 1;
+            let name = if name.is_empty() {
+                format!("{kind} {i}")
+            } else {
+                name
+            };
+            is_changed |= ui
+                .push_id((kind, i), |ui| level_row(ui, &name, level))
+                .inner;
+        }
+    }
+    if n_lights == 0 {
+        hint(ui, "none but the environment");
+    } else if n_lights > n_shown {
+        hint(ui, &format!("and {} more", n_lights - n_shown));
+    }
+    is_changed
+}
+
+fn level_row(ui: &mut Ui, name: &str, level: &mut Level) -> bool {
+    let mut is_changed = switch(ui, name, &mut level.is_on).changed();
+    if level.is_on {
+        let mut brightness = f64::from(level.brightness);
+        let slider = Slider::new("brightness", 0.01, 100.0)
+            .logarithmic(true)
+            .default(1.0);
+        if slider.show(ui, &mut brightness).changed() {
+            level.brightness = brightness as f32;
+            is_changed = true;
+        }
+    }
+    is_changed
+}
+
+fn environment(ui: &mut Ui, app: &mut App, appearance: &mut Appearance) -> bool {
+    let mut is_changed = false;
+    if let Some(map) = &appearance.environment {
+        hint(ui, &format!("{}, {} × {}", map.name, map.width, map.height));
+        let mut rotation = f64::from(map.rotation.to_degrees());
+        is_changed |= level_row(ui, "environment", &mut appearance.environment_level);
+        let slider = Slider::new("rotation", -180.0, 180.0)
+            .unit("°")
+            .default(0.0);
+        if slider.show(ui, &mut rotation).changed()
+            && let Some(map) = &mut appearance.environment
+        {
+            Arc::make_mut(map).rotation = (rotation as f32).to_radians();
+            is_changed = true;
+        }
+    } else {
+        hint(ui, "none");
+    }
+    text_field(ui, "path of a .hdr or .exr map", &mut app.environment_path);
+    ui.horizontal(|ui| {
+        if button(ui, "Load").clicked() && !app.environment_path.trim().is_empty() {
+            let path = PathBuf::from(app.environment_path.trim());
+            app.background.open_environment(path);
+        }
+        if button(ui, "Browse …").clicked() {
+            app.background.choose(Wanted::Environment);
+        }
+        if appearance.environment.is_some() && button(ui, "Remove").clicked() {
+            appearance.environment = None;
+            is_changed = true;
+        }
+    });
+    is_changed
+}

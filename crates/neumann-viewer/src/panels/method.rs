@@ -1,0 +1,167 @@
+//! The method: what it is, what it cannot see, its parameters, how deep and how long.
+
+use egui::Ui;
+use neumann_core::integrator::{METHODS, Parameter, ParameterKind, ParameterValues, Value};
+use neumann_core::render::StopRule;
+
+use crate::app::App;
+use crate::theme::GRID;
+use crate::widgets::{Slider, button, choice_row, heading, paragraph, rule, switch};
+
+pub(super) fn show(ui: &mut Ui, app: &mut App) {
+    let method = app.setup.method();
+    heading(ui, method.name);
+    paragraph(ui, method.about);
+    if !method.blind_spots.is_empty() {
+        ui.add_space(GRID / 2.0);
+        paragraph(ui, &format!("Cannot see: {}", method.blind_spots));
+    }
+    if let Some(bias) = method.bias {
+        ui.add_space(GRID / 2.0);
+        paragraph(ui, &format!("Biased: {bias}"));
+    }
+    ui.add_space(GRID);
+    let values = &mut app.setup.values[app.setup.method];
+    for parameter in METHODS[app.setup.method].parameters {
+        app.setup.is_changed |= parameter_row(ui, parameter, values);
+    }
+    rule(ui);
+    heading(ui, "Series");
+    let mut bounces = f64::from(app.setup.max_bounces);
+    let longest = Slider::new("longest path", 0.0, 128.0)
+        .step(1.0)
+        .default(16.0)
+        .unit("bounces")
+        .about("Terms with more scattering events than this are not computed.");
+    if longest.show(ui, &mut bounces).changed() {
+        app.setup.max_bounces = bounces as u32;
+        app.setup.is_changed = true;
+    }
+    let mut layers = app.setup.n_layers as f64;
+    let kept = Slider::new("terms kept apart", 1.0, 16.0)
+        .step(1.0)
+        .default(8.0)
+        .about("Light scattered more often goes into the tail.");
+    if kept.show(ui, &mut layers).changed() {
+        app.setup.n_layers = layers as usize;
+        app.setup.is_changed = true;
+    }
+    let mut seed = app.setup.seed as f64;
+    let seeds = Slider::new("seed", 0.0, 999.0)
+        .step(1.0)
+        .default(0.0)
+        .about("Chooses the random numbers; the same seed makes the same picture.");
+    if seeds.show(ui, &mut seed).changed() {
+        app.setup.seed = seed as u64;
+        app.setup.is_changed = true;
+    }
+    rule(ui);
+    heading(ui, "Run");
+    run(ui, app);
+}
+
+fn run(ui: &mut Ui, app: &mut App) {
+    ui.horizontal(|ui| {
+        let is_paused = app.link.is_paused();
+        if button(ui, if is_paused { "Go on" } else { "Pause" }).clicked() {
+            app.link.pause(!is_paused);
+        }
+        if button(ui, "Begin again").clicked() {
+            app.setup.is_changed = true;
+        }
+    });
+    let before = app.setup.stop;
+    let chosen = match before {
+        StopRule::Never => 0,
+        StopRule::Iterations(_) => 1,
+        StopRule::Seconds(_) => 2,
+    };
+    match choice_row(
+        ui,
+        "stop after",
+        &["never", "iterations", "seconds"],
+        chosen,
+    ) {
+        Some(0) => app.setup.stop = StopRule::Never,
+        Some(1) => app.setup.stop = StopRule::Iterations(256),
+        Some(_) => app.setup.stop = StopRule::Seconds(60.0),
+        None => {}
+    }
+    match &mut app.setup.stop {
+        StopRule::Never => {}
+        StopRule::Iterations(n) => {
+            let mut number = f64::from(*n);
+            let slider = Slider::new("iterations", 1.0, 65536.0)
+                .step(1.0)
+                .logarithmic(true);
+            slider.show(ui, &mut number);
+            *n = number as u32;
+        }
+        StopRule::Seconds(seconds) => {
+            let slider = Slider::new("seconds", 1.0, 36000.0)
+                .unit("s")
+                .logarithmic(true);
+            slider.show(ui, seconds);
+        }
+    }
+    if app.setup.stop != before {
+        app.link.stop_after(app.setup.stop);
+    }
+}
+
+/// A control for a parameter; true when its value was changed.
+fn parameter_row(ui: &mut Ui, parameter: &'static Parameter, values: &mut ParameterValues) -> bool {
+    let current = values.value(parameter.name);
+    let value = current.unwrap_or_else(|| parameter.default_value());
+    let changed = match (parameter.kind, value) {
+        (ParameterKind::Integer { default, min, max }, Value::Integer(v)) => {
+            let mut number = v as f64;
+            Slider::new(parameter.title, min as f64, max as f64)
+                .step(1.0)
+                .default(default as f64)
+                .unit(parameter.unit)
+                .about(parameter.about)
+                .logarithmic(min > 0 && max / min.max(1) > 100)
+                .show(ui, &mut number)
+                .changed()
+                .then_some(Value::Integer(number as i64))
+        }
+        (
+            ParameterKind::Real {
+                default,
+                min,
+                max,
+                is_logarithmic,
+            },
+            Value::Real(v),
+        ) => {
+            let mut number = v;
+            Slider::new(parameter.title, min, max)
+                .default(default)
+                .unit(parameter.unit)
+                .about(parameter.about)
+                .logarithmic(is_logarithmic)
+                .show(ui, &mut number)
+                .changed()
+                .then_some(Value::Real(number))
+        }
+        (ParameterKind::Switch { .. }, Value::Switch(v)) => {
+            let mut is_on = v;
+            let response = switch(ui, parameter.title, &mut is_on);
+            let is_changed = response.changed();
+            response.on_hover_text(parameter.about);
+            is_changed.then_some(Value::Switch(is_on))
+        }
+        (ParameterKind::Choice { options, .. }, Value::Choice(v)) => {
+            choice_row(ui, parameter.title, options, v).map(Value::Choice)
+        }
+        _ => None,
+    };
+    match changed.filter(|new| *new != value) {
+        Some(new) => {
+            values.put(parameter.name, new);
+            true
+        }
+        None => false,
+    }
+}

@@ -1,0 +1,84 @@
+//! The panel beside the picture: one page each for method, scene, camera and display.
+
+mod camera;
+mod display;
+mod lights;
+mod materials;
+mod method;
+mod scene;
+
+use egui::{Margin, Rect, ScrollArea, Ui, UiBuilder};
+
+use crate::app::App;
+use crate::theme::{GRID, Palette};
+use crate::widgets::tabs;
+
+/// The pages of the panel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Page {
+    /// Method, its parameters, depth, when to stop.
+    #[default]
+    Method,
+    /// Scene, lights, materials, environment.
+    Scene,
+    /// Camera and lens.
+    Camera,
+    /// Exposure, tone, false colour, zoom, wipe, difference.
+    Display,
+}
+
+impl Page {
+    /// All pages, in the order of the tabs.
+    pub const ALL: [Self; 4] = [Self::Method, Self::Scene, Self::Camera, Self::Display];
+
+    /// The word on its tab.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Method => "Method",
+            Self::Scene => "Scene",
+            Self::Camera => "Camera",
+            Self::Display => "Display",
+        }
+    }
+}
+
+/// Draws the panel into `rect`.
+pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
+    let p = Palette::of(ui);
+    ui.painter().rect_filled(rect, 0, p.panel);
+    ui.painter()
+        .vline(rect.left() + 0.5, rect.y_range(), (1.0, p.line));
+    let inner = rect.shrink2(egui::vec2(2.0 * GRID, 0.0));
+    ui.scope_builder(UiBuilder::new().max_rect(inner).id_salt("panel"), |ui| {
+        ui.add_space(GRID / 2.0);
+        let titles = Page::ALL.map(Page::title);
+        let chosen = Page::ALL.iter().position(|page| *page == app.page);
+        if let Some(i) = tabs(ui, &titles, chosen.unwrap_or(0)) {
+            app.page = Page::ALL[i];
+        }
+        ui.add_space(GRID / 2.0);
+        // Text runs to the edge of the panel's own margin; what scrolls is cut a little further out.
+        let area = ui
+            .available_rect_before_wrap()
+            .expand2(egui::vec2(GRID, 0.0));
+        ui.scope_builder(UiBuilder::new().max_rect(area), |ui| {
+            ScrollArea::vertical()
+                .id_salt(app.page.title())
+                .auto_shrink(false)
+                .show(ui, |ui| {
+                    let margin = Margin::symmetric(GRID as i8, 0);
+                    egui::Frame::new().inner_margin(margin).show(ui, |ui| {
+                        ui.set_width(ui.available_width());
+                        match app.page {
+                            Page::Method => method::show(ui, app),
+                            Page::Scene => scene::show(ui, app),
+                            Page::Camera => camera::show(ui, app),
+                            Page::Display => display::show(ui, app),
+                        }
+                        ui.add_space(2.0 * GRID);
+                    });
+                });
+        });
+    });
+}

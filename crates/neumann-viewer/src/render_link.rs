@@ -1,0 +1,158 @@
+//! The only file that talks to the renderer.
+//!
+//! In the window and for screenshots the link leads to a [`RenderLoop`]; tests
+//! hang a finished picture on it instead, and read what would have been started.
+
+use std::sync::Arc;
+
+use neumann_core::render::{Job, Published, RenderLoop, RenderSettings, StopRule, WorkerPool};
+use neumann_core::scene::Scene;
+
+/// The line to the renderer.
+pub struct RenderLink {
+    end: End,
+    started: Option<Job>,
+    n_starts: u64,
+    generation: u64,
+}
+
+enum End {
+    Live(Box<RenderLoop>),
+    Fixed {
+        published: Box<Published>,
+        is_paused: bool,
+    },
+}
+
+impl RenderLink {
+    /// A renderer of its own, on `n_threads` (all, if `None`) of low priority.
+    /// `on_publish` is called after every change of the picture, on another thread.
+    ///
+    /// # Errors
+    /// If the operating system gives no threads.
+    pub fn live(
+        n_threads: Option<usize>,
+        on_publish: impl Fn() + Send + Sync + 'static,
+    ) -> Result<Self, String> {
+        let pool = WorkerPool::new(n_threads, yield_to_interface)
+            .map_err(|e| format!("no threads to render with: {e}"))?;
+        let render_loop = RenderLoop::new(pool, on_publish)
+            .map_err(|e| format!("no thread to render with: {e}"))?;
+        Ok(Self::new(End::Live(Box::new(render_loop))))
+    }
+
+    /// A picture that never changes.
+    #[must_use]
+    pub fn fixed(published: Published) -> Self {
+        Self::new(End::Fixed {
+            published: Box::new(published),
+            is_paused: false,
+        })
+    }
+
+    fn new(end: End) -> Self {
+        Self {
+            end,
+            started: None,
+            n_starts: 0,
+            generation: 0,
+        }
+    }
+
+    /// Starts rendering anew; the old picture stays until the new one has a first frame.
+    pub fn start(&mut self, scene: Arc<Scene>, settings: RenderSettings, stop: StopRule) {
+        let job = Job {
+            scene,
+            settings,
+            stop,
+        };
+        self.n_starts += 1;
+        self.started = Some(job.clone());
+        self.generation = match &self.end {
+            End::Live(render_loop) => render_loop.start(job),
+            End::Fixed { published, .. } => published.generation,
+        };
+    }
+
+    /// The generation of what was started last: pictures of an older one are of something else.
+    #[must_use]
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// What was started last.
+    #[must_use]
+    pub fn started(&self) -> Option<&Job> {
+        self.started.as_ref()
+    }
+
+    /// How often something was started.
+    #[must_use]
+    pub fn n_starts(&self) -> u64 {
+        self.n_starts
+    }
+
+    /// Pauses or goes on.
+    pub fn pause(&mut self, pause: bool) {
+        match &mut self.end {
+            End::Live(render_loop) => render_loop.pause(pause),
+            End::Fixed { is_paused, .. } => *is_paused = pause,
+        }
+    }
+
+    /// True while paused.
+    #[must_use]
+    pub fn is_paused(&self) -> bool {
+        match &self.end {
+            End::Live(render_loop) => render_loop.is_paused(),
+            End::Fixed { is_paused, .. } => *is_paused,
+        }
+    }
+
+    /// Changes when rendering is done, without starting anew.
+    pub fn stop_after(&mut self, stop: StopRule) {
+        if let Some(job) = &mut self.started {
+            job.stop = stop;
+        }
+        if let End::Live(render_loop) = &self.end {
+            render_loop.stop_after(stop);
+        }
+    }
+
+    /// Grows whenever the picture changes; asks no lock.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        match &self.end {
+            End::Live(render_loop) => render_loop.version(),
+            End::Fixed { published, .. } => published.version,
+        }
+    }
+
+    /// Reads the picture; the renderer cannot take in a frame meanwhile, so be brief.
+    pub fn read<R>(&self, reader: impl FnOnce(&Published) -> R) -> R {
+        match &self.end {
+            End::Live(render_loop) => reader(&render_loop.published()),
+            End::Fixed { published, .. } => reader(published),
+        }
+    }
+}
+
+/// Lets the interface go first: workers take what it leaves of the processors.
+fn yield_to_interface() {
+    lower_priority(10);
+}
+
+/// Lets interface and renderer go first.
+pub(crate) fn yield_to_renderer() {
+    lower_priority(15);
+}
+
+#[cfg(target_os = "linux")]
+fn lower_priority(by: i32) {
+    // On Linux this is the priority of the calling thread alone. Where it is
+    // refused, rendering is as good and the interface a little slower.
+    let _ = rustix::process::setpriority_process(None, by);
+}
+
+#[cfg(not(target_os = "linux"))]
+fn lower_priority(_by: i32) {}

@@ -1,0 +1,136 @@
+//! Opens scenes in the background, so that the window stays alive.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use neumann_core::scene::description::EnvironmentDescription;
+use neumann_core::scene::load::{LoadOptions, load_environment};
+use neumann_core::scene::{self, Scene};
+use neumann_picture::image_file::{Image, read_image};
+
+/// Something that was asked for has come, or has failed.
+pub enum Arrival {
+    /// A scene, by the name or path that was asked for.
+    Scene(String, Result<Arc<Scene>, String>),
+    /// An environment map.
+    Environment(Result<EnvironmentDescription, String>),
+    /// A reference picture, by its path.
+    Reference(String, Result<Image, String>),
+    /// A path was chosen in the desktop's dialog.
+    Chosen(Wanted, PathBuf),
+    /// A file was written, or could not be.
+    Saved(Result<String, String>),
+}
+
+/// What a dialog asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// A scene.
+    Scene,
+    /// An environment map.
+    Environment,
+    /// A reference picture.
+    Reference,
+}
+
+/// Runs work in the background and hands over what comes of it.
+pub struct Background {
+    sender: Sender<Option<Arrival>>,
+    receiver: Receiver<Option<Arrival>>,
+    wake: Arc<dyn Fn() + Send + Sync>,
+    n_running: usize,
+}
+
+impl Background {
+    /// `wake` is called, on another thread, when something has come.
+    #[must_use]
+    pub fn new(wake: Arc<dyn Fn() + Send + Sync>) -> Self {
+        let (sender, receiver) = channel();
+        Self {
+            sender,
+            receiver,
+            wake,
+            n_running: 0,
+        }
+    }
+
+    /// True while something is under way.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.n_running > 0
+    }
+
+    /// What has come since.
+    pub fn arrivals(&mut self) -> Vec<Arrival> {
+        let finished: Vec<_> = self.receiver.try_iter().collect();
+        self.n_running = self.n_running.saturating_sub(finished.len());
+        finished.into_iter().flatten().collect()
+    }
+
+    /// Opens a built-in scene by name or a file by path.
+    pub fn open_scene(&mut self, source: String, allow_outside: bool) {
+        self.run("neumann-load", move || {
+            let options = LoadOptions { allow_outside };
+            let scene = scene::open(&source, &options)
+                .map(|description| Arc::new(Scene::build(&description)))
+                .map_err(|e| e.to_string());
+            Some(Arrival::Scene(source, scene))
+        });
+    }
+
+    /// Reads an environment map.
+    pub fn open_environment(&mut self, path: PathBuf) {
+        self.run("neumann-load", move || {
+            let map = load_environment(&path).map_err(|e| e.to_string());
+            Some(Arrival::Environment(map))
+        });
+    }
+
+    /// Reads a picture to hold the film against.
+    pub fn open_reference(&mut self, path: PathBuf) {
+        self.run("neumann-load", move || {
+            let image = read_image(&path).map_err(|e| e.to_string());
+            Some(Arrival::Reference(path.display().to_string(), image))
+        });
+    }
+
+    /// Asks for a file in the desktop's dialog.
+    pub fn choose(&mut self, wanted: Wanted) {
+        self.run("neumann-dialog", move || {
+            let dialog = rfd::FileDialog::new();
+            let dialog = match wanted {
+                Wanted::Scene => dialog
+                    .set_title("Open a scene")
+                    .add_filter("glTF scenes", &["gltf", "glb"]),
+                Wanted::Environment => dialog
+                    .set_title("Open an environment map")
+                    .add_filter("Environment maps", &["hdr", "exr"]),
+                Wanted::Reference => dialog
+                    .set_title("Open a reference picture")
+                    .add_filter("Pictures", &["exr", "png", "hdr"]),
+            };
+            dialog.pick_file().map(|path| Arrival::Chosen(wanted, path))
+        });
+    }
+
+    /// Writes something; what it yields is shown as a notice.
+    pub fn save(&mut self, write: impl FnOnce() -> Result<String, String> + Send + 'static) {
+        self.run("neumann-save", move || Some(Arrival::Saved(write())));
+    }
+
+    fn run(&mut self, name: &str, work: impl FnOnce() -> Option<Arrival> + Send + 'static) {
+        let (sender, wake) = (self.sender.clone(), Arc::clone(&self.wake));
+        let thread = std::thread::Builder::new()
+            .name(name.to_owned())
+            .spawn(move || {
+                let arrival = work();
+                // Nobody listens any more once the window has gone.
+                let _ = sender.send(arrival);
+                wake();
+            });
+        if thread.is_ok() {
+            self.n_running += 1;
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! What is rendered: scene, camera, method and depth. Any change of it begins anew.
+
+use std::sync::Arc;
+
+use neumann_core::film::DEFAULT_LAYERS;
+use neumann_core::integrator::{DEFAULT_METHOD, METHODS, Method, ParameterValues};
+use neumann_core::render::{RenderSettings, StopRule};
+use neumann_core::scene::{Appearance, Scene};
+
+use crate::camera_control::CameraControl;
+use crate::options::{CameraOptions, EnvironmentOptions, ViewOptions};
+
+/// A scene that has been opened.
+pub struct OpenScene {
+    /// Name of a built-in scene, or a path.
+    pub source: String,
+    /// As it is rendered.
+    pub scene: Arc<Scene>,
+    /// As its file describes it.
+    pub original: Appearance,
+    /// Number of the camera that was taken last.
+    pub camera: usize,
+}
+
+impl OpenScene {
+    /// What it is called in a bar or a file name: the built-in name, or the file's stem.
+    #[must_use]
+    pub fn short_name(&self) -> &str {
+        let stem = std::path::Path::new(&self.source).file_stem();
+        stem.and_then(|s| s.to_str()).unwrap_or(&self.source)
+    }
+}
+
+/// Everything that determines the picture.
+pub struct Setup {
+    /// The scene; `None` until the first one has been opened.
+    pub open: Option<OpenScene>,
+    /// The camera under the user's hand.
+    pub camera: Option<CameraControl>,
+    /// Index into [`METHODS`].
+    pub method: usize,
+    /// Parameters of every method, so that coming back to one finds them.
+    pub values: Vec<ParameterValues>,
+    /// Terms with `k` up to and including this one are computed.
+    pub max_bounces: u32,
+    /// Bounce layers kept apart.
+    pub n_layers: usize,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// When rendering is done.
+    pub stop: StopRule,
+    /// Size of the film if it does not follow the window.
+    pub fixed_size: Option<(usize, usize)>,
+    /// Size of the film.
+    pub size: (usize, usize),
+    /// Something has been changed since rendering was started last.
+    pub is_changed: bool,
+}
+
+impl Setup {
+    /// What the command asked for. Whatever of it is not possible is told in a sentence each.
+    #[must_use]
+    pub fn new(options: &ViewOptions) -> (Self, Vec<String>) {
+        let mut complaints = Vec::new();
+        let position = |id: &str| METHODS.iter().position(|m| m.id == id);
+        let wanted = options.integrator.as_deref().unwrap_or(DEFAULT_METHOD);
+        let method = position(wanted).unwrap_or_else(|| {
+            complaints.push(format!("there is no integrator '{wanted}'"));
+            position(DEFAULT_METHOD).unwrap_or(0)
+        });
+        let mut values: Vec<_> = METHODS
+            .iter()
+            .map(|m| ParameterValues::defaults(m.parameters))
+            .collect();
+        for (name, text) in &options.set {
+            if let Err(error) = values[method].set(METHODS[method].parameters, name, text) {
+                complaints.push(error.to_string());
+            }
+        }
+        let setup = Self {
+            open: None,
+            camera: None,
+            method,
+            values,
+            max_bounces: options.max_bounces.unwrap_or(16),
+            n_layers: options.layers.unwrap_or(DEFAULT_LAYERS).max(1),
+            seed: options.seed.unwrap_or(0),
+            stop: options.stop,
+            fixed_size: options.size,
+            size: (0, 0),
+            is_changed: false,
+        };
+        (setup, complaints)
+    }
+
+    /// The method.
+    #[must_use]
+    pub fn method(&self) -> &'static Method {
+        METHODS[self.method.min(METHODS.len() - 1)]
+    }
+
+    /// Chooses a method by its place in [`METHODS`].
+    pub fn choose_method(&mut self, index: usize) {
+        if index < METHODS.len() && index != self.method {
+            self.method = index;
+            self.is_changed = true;
+        }
+    }
+
+    /// Takes over a scene, with its first camera.
+    pub fn take_scene(&mut self, source: String, scene: Arc<Scene>) {
+        self.camera = scene
+            .cameras()
+            .first()
+            .map(|camera| CameraControl::new(camera.clone(), scene.bounds()));
+        self.open = Some(OpenScene {
+            source,
+            original: scene.appearance().clone(),
+            scene,
+            camera: 0,
+        });
+        self.is_changed = true;
+    }
+
+    /// Takes one of the file's cameras.
+    pub fn take_camera(&mut self, index: usize) {
+        let (Some(open), Some(control)) = (&mut self.open, &mut self.camera) else {
+            return;
+        };
+        if let Some(camera) = open.scene.cameras().get(index) {
+            open.camera = index;
+            control.take(camera.clone());
+            self.is_changed = true;
+        }
+    }
+
+    /// Changes materials, lights or environment; the geometry is shared with what was before.
+    pub fn dress(&mut self, appearance: Appearance) {
+        if let Some(open) = &mut self.open {
+            open.scene = Arc::new(open.scene.with_appearance(appearance));
+            self.is_changed = true;
+        }
+    }
+
+    /// Applies what the command said about the camera; yields what was wrong with it.
+    pub fn apply_camera(&mut self, options: &CameraOptions) -> Option<String> {
+        let mut complaint = None;
+        if let (Some(wanted), Some(open)) = (&options.camera, &self.open) {
+            let cameras = open.scene.cameras();
+            let by_name = cameras.iter().position(|c| c.name == *wanted);
+            let by_number = wanted.parse().ok().filter(|i| *i < cameras.len());
+            match by_name.or(by_number) {
+                Some(index) => self.take_camera(index),
+                None => complaint = Some(format!("the scene has no camera '{wanted}'")),
+            }
+        }
+        let control = self.camera.as_mut()?;
+        if options.eye.is_some() || options.target.is_some() || options.up.is_some() {
+            let eye = options.eye.unwrap_or(control.eye());
+            let target = options.target.unwrap_or(control.target());
+            control.look_at(eye, target, options.up.unwrap_or(glam::Vec3::Y));
+        }
+        if let Some(fov) = options.fov {
+            control.set_fov(fov.to_radians());
+        }
+        let mut lens = control.lens();
+        lens.aperture = options.aperture.unwrap_or(lens.aperture);
+        lens.focus_distance = options.focus.unwrap_or(lens.focus_distance);
+        control.set_lens(lens);
+        control.make_home();
+        complaint
+    }
+
+    /// Applies intensity and rotation of the environment.
+    pub fn apply_environment(&mut self, options: &EnvironmentOptions) {
+        let Some(open) = &self.open else { return };
+        if options.intensity.is_none() && options.rotation.is_none() {
+            return;
+        }
+        let mut appearance = open.scene.appearance().clone();
+        if let Some(intensity) = options.intensity {
+            appearance.environment_level.brightness = intensity;
+        }
+        if let (Some(rotation), Some(environment)) = (options.rotation, &mut appearance.environment)
+        {
+            Arc::make_mut(environment).rotation = rotation.to_radians();
+        }
+        self.dress(appearance);
+    }
+
+    /// What the renderer is told; `None` while there is no scene or no film.
+    #[must_use]
+    pub fn settings(&self) -> Option<RenderSettings> {
+        let control = self.camera.as_ref()?;
+        if self.size.0 == 0 || self.size.1 == 0 {
+            return None;
+        }
+        let mut settings = RenderSettings::new(control.camera().clone(), self.size.0, self.size.1);
+        settings.method = self.method();
+        settings.values = self.values[self.method].clone();
+        settings.max_bounces = self.max_bounces;
+        settings.n_layers = self.n_layers;
+        settings.seed = self.seed;
+        Some(settings)
+    }
+
+    /// Size of a film that fills `room` physical pixels, in the camera's own shape if it has one.
+    #[must_use]
+    pub fn size_for(&self, room: egui::Vec2) -> (usize, usize) {
+        if let Some(size) = self.fixed_size {
+            return size;
+        }
+        let (w, h) = (room.x.max(1.0), room.y.max(1.0));
+        let aspect = self
+            .camera
+            .as_ref()
+            .and_then(|c| c.camera().aspect_ratio)
+            .filter(|a| a.is_finite() && *a > 0.01 && *a < 100.0);
+        let (w, h) = match aspect {
+            Some(aspect) if w / h > aspect => (h * aspect, h),
+            Some(aspect) => (w, w / aspect),
+            None => (w, h),
+        };
+        // A film of a part of a pixel, or of more than any display shows, helps nobody.
+        let whole = |v: f32| (v + 0.01).floor().clamp(1.0, 8192.0) as usize;
+        (whole(w), whole(h))
+    }
+}

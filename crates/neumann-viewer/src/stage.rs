@@ -1,0 +1,374 @@
+//! The picture and everything on it: caption, probe, pixel values, wipe, and the hand on the camera.
+
+use egui::{
+    Align2, Context, CursorIcon, Key, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, Vec2,
+    WidgetInfo, pos2,
+};
+use glam::{Vec2 as Plane, Vec3};
+use neumann_core::endpoint::Camera;
+use neumann_core::film::View;
+use neumann_core::transport::Tracer;
+
+use crate::app::App;
+use crate::display::image_area::{self, Pictures, Placement};
+use crate::display::{Slot, legend, values};
+use crate::formula::Formula;
+use crate::probe::Reading;
+use crate::theme::{self, GRID, Palette};
+
+/// Draw calls that the stage makes.
+pub const N_DRAWS: usize = 1;
+
+/// Draws the picture into `rect` and lets the pointer act on it.
+pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
+    let p = Palette::of(ui);
+    ui.painter().rect_filled(rect, 0, p.ground);
+    let size = shown_size(app);
+    let placement = Placement::new(rect, ui.pixels_per_point(), size, &app.viewing);
+    let response = ui.interact(rect, ui.scope_id().with("picture"), Sense::click_and_drag());
+    let caption = app.viewing.view.caption();
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("picture: {caption}")));
+    take_pointer(ui, &response, rect, &placement, app);
+    // The pointer may just have moved the picture.
+    let placement = Placement::new(rect, ui.pixels_per_point(), size, &app.viewing);
+    app.placement = Some(placement);
+    app.picture.compose(&app.link, app.viewing.view);
+    if !app.picture.is_there() {
+        let text = if app.is_loading() || app.setup.open.is_some() {
+            "opening …"
+        } else {
+            "no scene"
+        };
+        ui.painter().text(
+            rect.center(),
+            Align2::CENTER_CENTER,
+            text,
+            theme::body(),
+            p.weak,
+        );
+        return;
+    }
+    let pictures = pictures(app);
+    let painter = ui.painter().with_clip_rect(rect);
+    image_area::draw(
+        &painter,
+        &placement,
+        &app.viewing,
+        &app.picture.planes,
+        pictures,
+        0,
+    );
+    if placement.magnification > 16.0 && pictures == Pictures::One(Slot::Live) {
+        let exposure = app.viewing.exposure_ev.exp2();
+        app.link.read(|published| {
+            values::show(
+                &painter,
+                &placement,
+                &published.film,
+                app.viewing.view,
+                exposure,
+            );
+        });
+    }
+    if let Pictures::Wipe(..) = pictures {
+        wipe(ui, rect, &placement, app);
+    }
+    caption_of(&painter, rect, app, &p);
+    probe(ui, rect, &response, &placement, app, &p);
+    if app.viewing.is_false_colour || app.viewing.is_difference {
+        legend::show(&painter, rect, &app.viewing, &p);
+    }
+}
+
+/// Moves the camera while keys for flying are held.
+pub fn fly(ctx: &Context, app: &mut App) {
+    if ctx.text_edit_focused() || app.setup.camera.is_none() {
+        return;
+    }
+    let step = ctx.input(|i| {
+        if i.modifiers.command || i.modifiers.alt {
+            return Vec3::ZERO;
+        }
+        let held = |plus, minus| {
+            // A press and its release within one frame count as a step too.
+            let is_on = |key| i.key_down(key) || i.key_pressed(key);
+            f32::from(i8::from(is_on(plus)) - i8::from(is_on(minus)))
+        };
+        let direction = Vec3::new(
+            held(Key::D, Key::A),
+            held(Key::PageUp, Key::PageDown),
+            held(Key::W, Key::S),
+        );
+        let speed = if i.modifiers.shift { 2.0 } else { 0.5 };
+        direction * speed * i.stable_dt.min(0.1)
+    });
+    if step == Vec3::ZERO {
+        return;
+    }
+    if let Some(control) = &mut app.setup.camera {
+        control.fly(step * control.radius());
+        app.setup.is_changed = true;
+        ctx.request_repaint();
+    }
+}
+
+/// What the present picture is, in short.
+#[must_use]
+pub fn label_of(app: &App) -> String {
+    let view = app.viewing.view;
+    let n = app.picture.stats.n_iterations;
+    format!("{view} · {} · {n}", app.setup.method().title)
+}
+
+/// Size at which the film stands on the screen: what was asked for, or, while the
+/// picture is of something older, its own.
+fn shown_size(app: &App) -> (usize, usize) {
+    if app.is_current() && app.setup.size != (0, 0) && app.link.started().is_some() {
+        return app.link.started().map_or(app.setup.size, |job| {
+            (job.settings.width, job.settings.height)
+        });
+    }
+    let (w, h) = app.picture.size;
+    (w * app.picture.divisor, h * app.picture.divisor)
+}
+
+fn pictures(app: &App) -> Pictures {
+    if app.viewing.is_difference && app.picture.reference.is_some() {
+        Pictures::Difference(Slot::Live, Slot::Reference)
+    } else if app.viewing.is_wiping && app.picture.held[0].is_some() {
+        let right = if app.picture.held[1].is_some() {
+            Slot::HeldB
+        } else {
+            Slot::Live
+        };
+        Pictures::Wipe(Slot::HeldA, right)
+    } else {
+        Pictures::One(Slot::Live)
+    }
+}
+
+fn take_pointer(ui: &Ui, response: &Response, rect: Rect, placement: &Placement, app: &mut App) {
+    let ctx = ui.ctx();
+    let (modifiers, magnify) = ctx.input(|i| (i.modifiers, i.zoom_delta()));
+    let pointer = response.hover_pos();
+    if let Some(at) = pointer
+        && (magnify - 1.0).abs() > 1e-3
+    {
+        let anchor = placement.fraction(at).unwrap_or([0.5, 0.5]);
+        image_area::zoom(&mut app.viewing, placement, magnify, anchor);
+        return;
+    }
+    if response.double_clicked() {
+        app.viewing.zoom = None;
+    }
+    if response.clicked() && modifiers.alt {
+        focus_at(response.interact_pointer_pos(), placement, app);
+        return;
+    }
+    let drag = response.drag_delta();
+    if response.dragged_by(PointerButton::Secondary) {
+        let moved = drag / placement.film.size();
+        let center = &mut app.viewing.center;
+        *center = [
+            (center[0] - moved.x).clamp(0.0, 1.0),
+            (center[1] - moved.y).clamp(0.0, 1.0),
+        ];
+        return;
+    }
+    let Some(control) = &mut app.setup.camera else {
+        return;
+    };
+    let unit = rect.height().max(1.0);
+    let is_panning = response.dragged_by(PointerButton::Middle)
+        || (response.dragged_by(PointerButton::Primary) && modifiers.shift);
+    if is_panning && drag != Vec2::ZERO {
+        let height = placement.film.height().max(1.0);
+        control.pan(Plane::new(drag.x, drag.y) / height);
+        app.setup.is_changed = true;
+        ctx.set_cursor_icon(CursorIcon::Move);
+    } else if response.dragged_by(PointerButton::Primary) && drag != Vec2::ZERO {
+        control.orbit(Plane::new(drag.x, drag.y) * (std::f32::consts::PI / unit));
+        app.setup.is_changed = true;
+        ctx.set_cursor_icon(CursorIcon::Grabbing);
+    }
+    let wheel = ctx.input(|i| i.smooth_scroll_delta().y);
+    if pointer.is_some() && wheel.abs() > 0.0 {
+        control.dolly((-wheel * 0.002).exp());
+        app.setup.is_changed = true;
+    }
+}
+
+/// Focuses the lens on what is seen at a place of the screen.
+fn focus_at(at: Option<Pos2>, placement: &Placement, app: &mut App) {
+    let (Some(fraction), Some(open), Some(control)) = (
+        at.and_then(|at| placement.fraction(at)),
+        &app.setup.open,
+        &mut app.setup.camera,
+    ) else {
+        return;
+    };
+    let (w, h) = placement.size;
+    let camera = Camera::new(control.camera(), w, h);
+    let raster = Plane::new(fraction[0] * w as f32, fraction[1] * h as f32);
+    // The middle of the lens.
+    let ray = camera.ray(raster, [0.5, 0.5]).ray;
+    let Some(vertex) = Tracer::new(&open.scene).vertex(&ray) else {
+        app.notices.failure("Nothing to focus on there");
+        return;
+    };
+    let mut lens = control.lens();
+    lens.focus_distance = (vertex.point.position - camera.position()).dot(camera.forward());
+    if lens.aperture <= 0.0 {
+        // A pinhole has no focus; give it a lens that shows it.
+        lens.aperture = 0.02 * lens.focus_distance;
+    }
+    control.set_lens(lens);
+    app.setup.is_changed = true;
+}
+
+fn wipe(ui: &Ui, rect: Rect, placement: &Placement, app: &mut App) {
+    let p = Palette::of(ui);
+    let film = placement.film;
+    let x = film.left() + film.width() * app.viewing.wipe;
+    let grip = Rect::from_min_max(
+        pos2(x - 6.0, placement.visible.top()),
+        pos2(x + 6.0, placement.visible.bottom()),
+    );
+    let response = ui
+        .interact(grip, ui.scope_id().with("wipe"), Sense::drag())
+        .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+    response.widget_info(|| {
+        WidgetInfo::slider(true, f64::from(app.viewing.wipe), "wipe between A and B")
+    });
+    if let Some(at) = response.interact_pointer_pos() {
+        app.viewing.wipe = ((at.x - film.left()) / film.width()).clamp(0.0, 1.0);
+    }
+    let painter = ui.painter().with_clip_rect(rect);
+    painter.vline(x.round() + 0.5, grip.y_range(), (1.0, p.amber));
+    let live = label_of(app);
+    let labels = [
+        app.picture.held[0]
+            .as_ref()
+            .map_or("", |h| h.label.as_str()),
+        app.picture.held[1]
+            .as_ref()
+            .map_or(live.as_str(), |h| h.label.as_str()),
+    ];
+    let y = placement.visible.bottom() - GRID;
+    for (label, at, align) in [
+        (
+            format!("A  {}", labels[0]),
+            pos2(x - GRID, y),
+            Align2::RIGHT_BOTTOM,
+        ),
+        (
+            format!("B  {}", labels[1]),
+            pos2(x + GRID, y),
+            Align2::LEFT_BOTTOM,
+        ),
+    ] {
+        let galley = painter.layout_no_wrap(label, theme::small(), p.text);
+        let spot = align.anchor_size(at, galley.size());
+        painter.rect_filled(spot.expand2(Vec2::new(6.0, 3.0)), 4, plate(&p));
+        painter.galley(spot.min, galley, p.text);
+    }
+}
+
+/// Ground that lets text be read over any picture.
+fn plate(p: &Palette) -> egui::Color32 {
+    p.ground.gamma_multiply(0.78)
+}
+
+fn caption_of(painter: &egui::Painter, rect: Rect, app: &App, p: &Palette) {
+    let view = app.viewing.view;
+    let (formula, text) = if app.viewing.is_difference && app.picture.reference.is_some() {
+        (None, "difference to the reference, in luminance".to_owned())
+    } else if view.layers(app.picture.n_layers).is_none() {
+        (
+            Some(view),
+            "not kept apart; raise the number of terms".to_owned(),
+        )
+    } else {
+        (Some(view), view.caption())
+    };
+    let at = rect.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
+    let formula = formula.map(|view: View| Formula::full(painter, view, theme::CAPTION, p.text));
+    let below = formula
+        .as_ref()
+        .map_or(0.0, |f| theme::CAPTION * 1.15 + f.size.y * 0.22);
+    let galley = painter.layout_no_wrap(text, theme::body(), p.text);
+    let width = formula
+        .as_ref()
+        .map_or(0.0, |f| f.size.x)
+        .max(galley.size().x);
+    let spot = Rect::from_min_size(at, Vec2::new(width, below + galley.size().y));
+    painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, plate(p));
+    if let Some(formula) = formula {
+        formula.paint(painter, at);
+    }
+    painter.galley(at + Vec2::new(0.0, below), galley, p.text);
+}
+
+fn probe(ui: &Ui, rect: Rect, response: &Response, placement: &Placement, app: &App, p: &Palette) {
+    let Some(fraction) = response.hover_pos().and_then(|at| placement.fraction(at)) else {
+        return;
+    };
+    let reading = app.link.read(|published| {
+        Reading::new(
+            &published.film,
+            app.viewing.view,
+            fraction,
+            published.divisor.max(1),
+        )
+    });
+    let painter = ui.painter().with_clip_rect(rect);
+    let lines: Vec<_> = reading
+        .lines()
+        .into_iter()
+        .map(|line| painter.layout_no_wrap(line, theme::small(), p.text))
+        .collect();
+    let width = lines.iter().map(|l| l.size().x).fold(152.0, f32::max);
+    const LINE: f32 = 17.0;
+    const BARS: f32 = 40.0;
+    let corner = pos2(rect.right() - 2.0 * GRID, rect.top() + 1.5 * GRID);
+    let height = lines.len() as f32 * LINE + BARS;
+    let spot = Rect::from_min_max(
+        pos2(corner.x - width, corner.y),
+        pos2(corner.x, corner.y + height),
+    );
+    painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, plate(p));
+    for (i, line) in lines.into_iter().enumerate() {
+        let at = pos2(corner.x - line.size().x, corner.y + i as f32 * LINE);
+        painter.galley(at, line, p.text);
+    }
+    bounce_bars(&painter, spot, &reading, app, p);
+}
+
+/// Luminance of each bounce at the pixel, as bars under the probe's numbers.
+fn bounce_bars(painter: &egui::Painter, spot: Rect, reading: &Reading, app: &App, p: &Palette) {
+    let n = reading.bounces.len().max(1);
+    let largest = reading.bounces.iter().copied().fold(1e-20, f32::max);
+    let area = Rect::from_min_max(
+        pos2(spot.left(), spot.bottom() - 34.0),
+        spot.max - Vec2::new(0.0, 10.0),
+    );
+    let pitch = area.width() / n as f32;
+    let shown = app.viewing.view.layers(n - 1).unwrap_or(0..0);
+    for (k, value) in reading.bounces.iter().enumerate() {
+        let height = (value / largest).clamp(0.0, 1.0) * area.height();
+        let x = area.left() + k as f32 * pitch;
+        let bar = Rect::from_min_max(
+            pos2(x + 1.0, area.bottom() - height.max(1.0)),
+            pos2(x + pitch - 1.0, area.bottom()),
+        );
+        let color = if shown.contains(&k) { p.amber } else { p.fill };
+        painter.rect_filled(bar, 0, color);
+        let name = if k + 1 == n {
+            "t".to_owned()
+        } else {
+            k.to_string()
+        };
+        let at = pos2(bar.center().x, area.bottom() + 1.0);
+        painter.text(at, Align2::CENTER_TOP, name, theme::sized(9.0), p.weak);
+    }
+}

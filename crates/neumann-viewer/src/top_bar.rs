@@ -1,0 +1,181 @@
+//! The bar on top: scene, methods, and the commonest commands.
+
+use egui::{
+    Align, Align2, Area, Frame, Id, Layout, Margin, Order, Rect, Stroke, Ui, UiBuilder, Vec2, pos2,
+};
+use neumann_core::integrator::METHODS;
+
+use crate::app::App;
+use crate::keys::Action;
+use crate::panels::Page;
+use crate::theme::{self, GRID, Palette};
+use crate::widgets::{Icon, icon_button, row_button, segmented, segmented_width};
+
+/// Draws the bar into `rect`.
+pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
+    let p = Palette::of(ui);
+    ui.painter().rect_filled(rect, 0, p.panel);
+    ui.painter()
+        .hline(rect.x_range(), rect.bottom() - 0.5, (1.0, p.line));
+    let inner = rect.shrink2(Vec2::new(GRID, 0.0));
+    let icons = commands(ui, inner, app);
+    let scene = scene_button(ui, inner, app);
+    let room = Rect::from_min_max(
+        pos2(scene.right() + GRID, rect.top()),
+        pos2(icons.left() - GRID, rect.bottom()),
+    );
+    methods(ui, rect, room, app);
+}
+
+fn scene_button(ui: &mut Ui, rect: Rect, app: &mut App) -> Rect {
+    let p = Palette::of(ui);
+    let name = app
+        .setup
+        .open
+        .as_ref()
+        .map_or("no scene", |open| open.short_name());
+    let mut job =
+        egui::text::LayoutJob::simple_singleline(name.to_owned(), theme::semibold(), p.text);
+    job.wrap = egui::text::TextWrapping::truncate_at_width(160.0);
+    let galley = ui.painter().layout_job(job);
+    let size = Vec2::new(galley.size().x + 5.0 * GRID, 28.0);
+    let spot = Rect::from_min_size(pos2(rect.left(), rect.center().y - size.y / 2.0), size);
+    let response = ui.interact(spot, ui.scope_id().with("scene"), egui::Sense::click());
+    if response.hovered() {
+        ui.painter().rect_filled(spot, 4, p.hovered);
+    }
+    let at = pos2(spot.left() + GRID, spot.center().y - galley.size().y / 2.0);
+    ui.painter().galley(at, galley, p.text);
+    let tip = pos2(spot.right() - 1.75 * GRID, spot.center().y);
+    Icon::Down.paint(ui.painter(), tip, p.weak);
+    crate::widgets::focus_ring(ui, &response, spot, 4);
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::Button, true, format!("scene: {name}"))
+    });
+    if response.clicked() {
+        app.page = Page::Scene;
+    }
+    spot
+}
+
+fn commands(ui: &mut Ui, rect: Rect, app: &mut App) -> Rect {
+    const N: f32 = 6.0;
+    let width = N * 28.0 + (N - 1.0) * 4.0;
+    let spot = Rect::from_min_max(pos2(rect.right() - width, rect.top()), rect.max);
+    let is_paused = app.link.is_paused();
+    let (icon, name) = if is_paused {
+        (Icon::Play, "go on")
+    } else {
+        (Icon::Pause, "pause")
+    };
+    let buttons = [
+        (icon, name, "Space", Action::Pause),
+        (Icon::Restart, "begin again", "R", Action::Restart),
+        (Icon::Save, "save picture", "Ctrl S", Action::SavePng),
+        (Icon::Theme, "light or dark", "Ctrl T", Action::Theme),
+        (Icon::Panel, "hide panels", "Tab", Action::Panels),
+        (Icon::Help, "help", "?", Action::Help),
+    ];
+    let builder = UiBuilder::new()
+        .max_rect(spot)
+        .layout(Layout::left_to_right(Align::Center))
+        .id_salt("commands");
+    let mut chosen = None;
+    ui.scope_builder(builder, |ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for (icon, name, keys, action) in buttons {
+            if icon_button(ui, icon, name, keys).clicked() {
+                chosen = Some(action);
+            }
+        }
+    });
+    if let Some(action) = chosen {
+        app.perform(ui.ctx(), action);
+    }
+    spot
+}
+
+fn methods(ui: &mut Ui, bar: Rect, room: Rect, app: &mut App) {
+    let titles: Vec<&str> = METHODS.iter().map(|m| m.title).collect();
+    let width = segmented_width(ui, &titles);
+    if width <= room.width() {
+        // In the middle of the window if it fits there, else in the middle of the room.
+        let centered = bar.center().x - width / 2.0;
+        let left = if centered >= room.left() && centered + width <= room.right() {
+            centered
+        } else {
+            room.center().x - width / 2.0
+        };
+        let spot = Rect::from_min_size(
+            pos2(left.round(), bar.center().y - 14.0),
+            Vec2::new(width, 28.0),
+        );
+        let clicked = ui
+            .scope_builder(UiBuilder::new().max_rect(spot).id_salt("methods"), |ui| {
+                segmented(ui, "method", &titles, app.setup.method)
+            })
+            .inner;
+        if let Some(index) = clicked {
+            app.setup.choose_method(index);
+        }
+        app.is_menu_open = false;
+        return;
+    }
+    menu(ui, room, app);
+}
+
+/// Where there is no room for all methods in a row.
+fn menu(ui: &mut Ui, room: Rect, app: &mut App) {
+    let p = Palette::of(ui);
+    let title = app.setup.method().title;
+    let spot = Rect::from_center_size(room.center(), Vec2::new(room.width().min(160.0), 28.0));
+    let response = ui.interact(
+        spot,
+        ui.scope_id().with("method menu"),
+        egui::Sense::click(),
+    );
+    let fill = if response.hovered() {
+        p.hovered
+    } else {
+        p.raised
+    };
+    ui.painter().rect_filled(spot, 4, fill);
+    let font = theme::body();
+    ui.painter()
+        .text(spot.center(), Align2::CENTER_CENTER, title, font, p.text);
+    let tip = pos2(spot.right() - 2.0 * GRID, spot.center().y);
+    Icon::Down.paint(ui.painter(), tip, p.weak);
+    crate::widgets::focus_ring(ui, &response, spot, 4);
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::Button, true, format!("method: {title}"))
+    });
+    if response.clicked() {
+        app.is_menu_open = !app.is_menu_open;
+    }
+    if !app.is_menu_open {
+        return;
+    }
+    let area = Area::new(Id::unique("methods"))
+        .order(Order::Foreground)
+        .fixed_pos(pos2(spot.center().x - 140.0, spot.bottom() + 4.0))
+        .show(ui.ctx(), |ui| {
+            Frame::new()
+                .fill(p.panel)
+                .stroke(Stroke::new(1.0, p.line))
+                .corner_radius(6)
+                .inner_margin(Margin::symmetric(16, 8))
+                .show(ui, |ui| {
+                    ui.set_width(248.0);
+                    for (i, method) in METHODS.iter().enumerate() {
+                        let is_chosen = i == app.setup.method;
+                        if row_button(ui, method.title, method.id, is_chosen).clicked() {
+                            app.setup.choose_method(i);
+                            app.is_menu_open = false;
+                        }
+                    }
+                });
+        });
+    if area.response.clicked_elsewhere() && !response.clicked() {
+        app.is_menu_open = false;
+    }
+}

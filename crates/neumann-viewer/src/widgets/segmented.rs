@@ -1,0 +1,146 @@
+//! One of several: a segmented row, tabs, and a named choice.
+
+use egui::{Align2, Rect, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
+
+use super::focus_ring;
+use crate::theme::{self, GRID, Palette, ROW};
+
+/// Width that [`segmented`] needs for these labels.
+#[must_use]
+pub fn segmented_width(ui: &Ui, labels: &[&str]) -> f32 {
+    labels.iter().map(|l| segment_width(ui, l)).sum::<f32>() + 4.0
+}
+
+fn segment_width(ui: &Ui, label: &str) -> f32 {
+    let color = Palette::of(ui).text;
+    let galley = ui
+        .painter()
+        .layout_no_wrap(label.to_owned(), theme::body(), color);
+    (galley.size().x + 2.5 * GRID).round()
+}
+
+/// A row of segments of which one is chosen; yields the one that was clicked.
+pub fn segmented(ui: &mut Ui, name: &str, labels: &[&str], chosen: usize) -> Option<usize> {
+    let widths: Vec<f32> = labels.iter().map(|l| segment_width(ui, l)).collect();
+    row_of_segments(ui, name, labels, chosen, &widths)
+}
+
+fn row_of_segments(
+    ui: &mut Ui,
+    name: &str,
+    labels: &[&str],
+    chosen: usize,
+    widths: &[f32],
+) -> Option<usize> {
+    let p = Palette::of(ui);
+    let total: f32 = widths.iter().sum();
+    let (rect, _) = ui.allocate_exact_size(Vec2::new(total + 4.0, ROW + 4.0), Sense::hover());
+    ui.painter().rect_filled(rect, 6, ground(ui));
+    let mut x = rect.left() + 2.0;
+    let mut clicked = None;
+    for (i, (label, width)) in labels.iter().zip(widths).enumerate() {
+        let segment = Rect::from_min_size(pos2(x, rect.top() + 2.0), Vec2::new(*width, ROW));
+        x += width;
+        let id = ui.scope_id().with((name, i));
+        let response = ui.interact(segment, id, Sense::click());
+        let is_chosen = i == chosen;
+        if is_chosen {
+            ui.painter().rect_filled(segment, 4, p.chosen);
+        }
+        let color = if is_chosen || response.hovered() {
+            p.strong
+        } else {
+            p.weak
+        };
+        let font = theme::body();
+        ui.painter()
+            .text(segment.center(), Align2::CENTER_CENTER, label, font, color);
+        focus_ring(ui, &response, segment, 4);
+        response.widget_info(|| {
+            WidgetInfo::selected(
+                Role::RadioButton,
+                ui.is_enabled(),
+                is_chosen,
+                format!("{name}: {label}"),
+            )
+        });
+        if response.clicked() {
+            clicked = Some(i);
+        }
+    }
+    clicked
+}
+
+fn ground(ui: &Ui) -> egui::Color32 {
+    let p = Palette::of(ui);
+    if ui.visuals().dark_mode {
+        p.ground
+    } else {
+        p.raised
+    }
+}
+
+/// Tabs over a panel: words, the chosen one underlined; yields the one that was clicked.
+pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize) -> Option<usize> {
+    let p = Palette::of(ui);
+    let (bar, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), 32.0), Sense::hover());
+    let mut x = bar.left();
+    let mut clicked = None;
+    for (i, label) in labels.iter().enumerate() {
+        let galley = ui
+            .painter()
+            .layout_no_wrap((*label).to_owned(), theme::body(), p.text);
+        let rect = Rect::from_min_size(pos2(x, bar.top()), Vec2::new(galley.size().x, 32.0));
+        x = rect.right() + 2.0 * GRID;
+        let response = ui.interact(
+            rect.expand2(Vec2::new(GRID / 2.0, 0.0)),
+            ui.scope_id().with(("tab", i)),
+            Sense::click(),
+        );
+        let is_chosen = i == chosen;
+        let color = if is_chosen || response.hovered() {
+            p.strong
+        } else {
+            p.weak
+        };
+        ui.painter().text(
+            rect.center(),
+            Align2::CENTER_CENTER,
+            label,
+            theme::body(),
+            color,
+        );
+        if is_chosen {
+            let line = Rect::from_min_max(pos2(rect.left(), rect.bottom() - 2.0), rect.max);
+            ui.painter().rect_filled(line, 0, p.amber);
+        }
+        focus_ring(ui, &response, rect.shrink2(Vec2::new(-4.0, 4.0)), 4);
+        response
+            .widget_info(|| WidgetInfo::selected(Role::Tab, ui.is_enabled(), is_chosen, *label));
+        if response.clicked() {
+            clicked = Some(i);
+        }
+    }
+    clicked
+}
+
+/// A name, and below it a row of segments as wide as the panel; yields the one that was clicked.
+pub fn choice_row(ui: &mut Ui, name: &str, labels: &[&str], chosen: usize) -> Option<usize> {
+    ui.add_space(GRID / 2.0);
+    ui.label(name);
+    let natural: Vec<f32> = labels.iter().map(|l| segment_width(ui, l)).collect();
+    let room = ui.available_width() - 4.0;
+    let total: f32 = natural.iter().sum();
+    if total <= room {
+        let spare = (room - total) / labels.len().max(1) as f32;
+        let widths: Vec<f32> = natural.iter().map(|w| w + spare).collect();
+        return row_of_segments(ui, name, labels, chosen, &widths);
+    }
+    let mut clicked = None;
+    for (i, label) in labels.iter().enumerate() {
+        if super::row_button(ui, label, "", i == chosen).clicked() {
+            clicked = Some(i);
+        }
+    }
+    clicked
+}

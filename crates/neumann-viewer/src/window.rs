@@ -1,0 +1,311 @@
+//! The window on the desktop: winit's events in, frames out.
+//!
+//! Nothing is drawn without a reason: input, a new picture, or something that
+//! egui animates. New pictures are drawn at most at the rate below, but the first
+//! one after a change at once.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use egui::{Context, ViewportId};
+use winit::application::ApplicationHandler;
+use winit::dpi::{LogicalSize, PhysicalSize};
+use winit::event::{StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::window::{Fullscreen, Window, WindowId};
+
+use crate::app::{App, WindowRequest};
+use crate::latency::{Latencies, Plan};
+use crate::options::{ViewError, ViewOptions};
+use crate::recent::Recent;
+use crate::render_link::RenderLink;
+use crate::surface::Surface;
+
+/// What reaches the window beside winit's own events.
+#[derive(Debug)]
+pub(crate) enum Event {
+    /// The picture has changed.
+    Published,
+    /// Something has come from the background.
+    Wake,
+    /// Assistive technology.
+    AccessKit(accesskit_winit::Event),
+    /// The next step of a measurement, sent at that time.
+    Measure(Instant),
+}
+
+impl From<accesskit_winit::Event> for Event {
+    fn from(event: accesskit_winit::Event) -> Self {
+        Self::AccessKit(event)
+    }
+}
+
+/// Least time between frames that only show a newer picture, on a software adapter.
+const SOFTWARE_PERIOD: Duration = Duration::from_millis(80);
+/// The same on a graphics processor.
+const HARDWARE_PERIOD: Duration = Duration::from_millis(16);
+
+/// Opens the window and stays until it is closed; with a plan, measures and closes by itself.
+///
+/// # Errors
+/// If there is no display, no graphics adapter, or no threads.
+pub(crate) fn run(
+    options: ViewOptions,
+    plan: Option<Plan>,
+) -> Result<Option<Latencies>, ViewError> {
+    let event_loop = EventLoop::<Event>::with_user_event()
+        .build()
+        .map_err(|e| ViewError::NoDisplay(one_line(&e.to_string())))?;
+    let mut handler = Handler {
+        proxy: event_loop.create_proxy(),
+        options: Some(options),
+        running: None,
+        failure: None,
+        latencies: plan.map(Latencies::new),
+    };
+    event_loop
+        .run_app(&mut handler)
+        .map_err(|e| ViewError::Other(e.to_string()))?;
+    match handler.failure {
+        Some(failure) => Err(failure),
+        None => Ok(handler.latencies),
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.lines().collect::<Vec<_>>().join(" ")
+}
+
+struct Handler {
+    proxy: EventLoopProxy<Event>,
+    options: Option<ViewOptions>,
+    running: Option<Running>,
+    failure: Option<ViewError>,
+    latencies: Option<Latencies>,
+}
+
+struct Running {
+    window: Arc<Window>,
+    surface: Surface,
+    ctx: Context,
+    egui: egui_winit::State,
+    app: App,
+    is_announced: Arc<AtomicBool>,
+    period: Duration,
+    drawn: Instant,
+    next: Option<Instant>,
+}
+
+impl Handler {
+    fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ViewError> {
+        let Some(options) = self.options.take() else {
+            return Ok(());
+        };
+        let other = |e: &dyn std::fmt::Display| ViewError::Other(e.to_string());
+        let attributes = Window::default_attributes()
+            .with_title("neumann")
+            .with_visible(false)
+            .with_inner_size(LogicalSize::new(1280.0, 720.0))
+            .with_min_inner_size(LogicalSize::new(640.0, 420.0));
+        let window = event_loop
+            .create_window(attributes)
+            .map_err(|e| ViewError::NoDisplay(one_line(&e.to_string())))?;
+        let window = Arc::new(window);
+        let ctx = Context::default();
+        crate::theme::install(&ctx);
+        // The device before the workers: a software adapter's own threads are not to be niced.
+        let surface = Surface::new(event_loop, Arc::clone(&window))?;
+        let mut egui = egui_winit::State::new(
+            ctx.clone(),
+            ViewportId::ROOT,
+            &window,
+            Some(window.scale_factor() as f32),
+            window.theme(),
+            Some(surface.max_texture_side()),
+        );
+        egui.init_accesskit(event_loop, &window, self.proxy.clone());
+        let is_announced = Arc::new(AtomicBool::new(false));
+        let (proxy, flag) = (self.proxy.clone(), Arc::clone(&is_announced));
+        let link = RenderLink::live(options.threads, move || {
+            if !flag.swap(true, Ordering::AcqRel) {
+                // The loop has gone when the window has.
+                let _ = proxy.send_event(Event::Published);
+            }
+        })
+        .map_err(|e| other(&e))?;
+        let proxy = self.proxy.clone();
+        let mut app = App::new(link, options, move || {
+            let _ = proxy.send_event(Event::Wake);
+        });
+        app.recent = Recent::load();
+        app.open_first_scene();
+        window.set_visible(true);
+        window.request_redraw();
+        let period = if surface.is_software {
+            SOFTWARE_PERIOD
+        } else {
+            HARDWARE_PERIOD
+        };
+        if let Some(latencies) = &self.latencies {
+            latencies.begin(self.proxy.clone());
+        }
+        self.running = Some(Running {
+            window,
+            surface,
+            ctx,
+            egui,
+            app,
+            is_announced,
+            period,
+            drawn: Instant::now(),
+            next: None,
+        });
+        Ok(())
+    }
+}
+
+impl ApplicationHandler<Event> for Handler {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if let Err(failure) = self.open(event_loop) {
+            self.failure = Some(failure);
+            event_loop.exit();
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(running) = &mut self.running else {
+            return;
+        };
+        match &event {
+            WindowEvent::CloseRequested => {
+                close(running, event_loop);
+                return;
+            }
+            WindowEvent::RedrawRequested => {
+                running.redraw(event_loop, self.latencies.as_mut());
+                return;
+            }
+            WindowEvent::Resized(PhysicalSize { width, height }) => {
+                running.surface.resize(*width, *height);
+            }
+            _ => {}
+        }
+        if running
+            .egui
+            .on_window_event(&running.window, &event)
+            .repaint
+        {
+            running.window.request_redraw();
+        }
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, event: Event) {
+        let Some(running) = &mut self.running else {
+            return;
+        };
+        match event {
+            Event::Published => {
+                let is_awaited = !running.app.is_current();
+                let due = running.drawn + running.period;
+                if is_awaited || Instant::now() >= due {
+                    running.window.request_redraw();
+                } else {
+                    running.wake_at(due);
+                }
+            }
+            Event::Wake => running.window.request_redraw(),
+            Event::AccessKit(event) => {
+                running.take_accesskit(event);
+                running.window.request_redraw();
+            }
+            Event::Measure(sent) => {
+                let Some(latencies) = &mut self.latencies else {
+                    return;
+                };
+                let input = running.egui.egui_input_mut();
+                if latencies.step(sent, &mut running.app, input) {
+                    running.window.request_redraw();
+                } else {
+                    close(running, event_loop);
+                }
+            }
+        }
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if let (StartCause::ResumeTimeReached { .. }, Some(running)) = (cause, &mut self.running) {
+            running.next = None;
+            running.window.request_redraw();
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        let next = self.running.as_ref().and_then(|r| r.next);
+        event_loop.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        self.running = None;
+    }
+}
+
+/// Takes the window away first, so that closing is immediate whatever still has to end.
+fn close(running: &Running, event_loop: &ActiveEventLoop) {
+    running.window.set_visible(false);
+    event_loop.exit();
+}
+
+impl Running {
+    fn redraw(&mut self, event_loop: &ActiveEventLoop, latencies: Option<&mut Latencies>) {
+        self.is_announced.store(false, Ordering::Release);
+        self.next = None;
+        let start = Instant::now();
+        let input = self.egui.take_egui_input(&self.window);
+        let mut output = self.ctx.run_ui(input, |ui| self.app.ui(ui));
+        self.egui
+            .handle_platform_output(&self.window, std::mem::take(&mut output.platform_output));
+        let delay = output
+            .viewport_output
+            .get(&ViewportId::ROOT)
+            .map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        if delay.is_zero() {
+            self.window.request_redraw();
+        } else if let Some(at) = Instant::now().checked_add(delay) {
+            self.wake_at(at);
+        }
+        let laid_out = start.elapsed();
+        let prepared = self.surface.present(&self.window, &self.ctx, output);
+        self.drawn = Instant::now();
+        if let Some(latencies) = latencies {
+            let is_current = self.app.is_current();
+            let share = laid_out + prepared.unwrap_or_default();
+            latencies.frame_presented(is_current, share, &self.app.picture);
+        }
+        for request in std::mem::take(&mut self.app.requests) {
+            match request {
+                WindowRequest::Quit => close(self, event_loop),
+                WindowRequest::Fullscreen => {
+                    let is_full = self.window.fullscreen().is_some();
+                    let wanted = (!is_full).then_some(Fullscreen::Borderless(None));
+                    self.window.set_fullscreen(wanted);
+                }
+            }
+        }
+    }
+
+    fn wake_at(&mut self, at: Instant) {
+        self.next = Some(self.next.map_or(at, |next| next.min(at)));
+    }
+
+    fn take_accesskit(&mut self, event: accesskit_winit::Event) {
+        use accesskit_winit::WindowEvent;
+        match event.window_event {
+            WindowEvent::InitialTreeRequested => self.ctx.enable_accesskit(),
+            WindowEvent::ActionRequested(request) => {
+                self.egui.on_accesskit_action_request(request);
+            }
+            WindowEvent::AccessibilityDeactivated => self.ctx.disable_accesskit(),
+        }
+    }
+}

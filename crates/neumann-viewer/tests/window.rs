@@ -1,0 +1,268 @@
+//! The window through its accessibility tree: what a person can press, and what follows.
+//!
+//! The renderer is replaced by a small film that never changes, so nothing here depends
+//! on time.
+
+mod support;
+
+use egui::{Key, Modifiers, Theme};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use neumann_core::film::View;
+use neumann_core::integrator::METHODS;
+use neumann_core::render::StopRule;
+use neumann_viewer::app::App;
+use neumann_viewer::panels::Page;
+
+use support::app;
+
+fn harness(size: [f32; 2]) -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size(size)
+        .with_pixels_per_point(1.0)
+        .with_theme(Theme::Dark)
+        .build_ui_state(|ui, app: &mut App| app.ui(ui), app());
+    harness.run_steps(4);
+    harness
+}
+
+fn press(harness: &mut Harness<'_, App>, key: Key) {
+    harness.key_press(key);
+    harness.run_steps(2);
+}
+
+fn click(harness: &mut Harness<'_, App>, label: &str) {
+    harness.get_by_label(label).click();
+    harness.run_steps(3);
+}
+
+#[test]
+fn thumbnails_choose_the_view() {
+    for size in [[1280.0, 720.0], [900.0, 600.0]] {
+        let mut harness = harness(size);
+        if size[0] < 1000.0 {
+            click(&mut harness, "row: terms");
+        }
+        click(&mut harness, "term T^2 L_e");
+        assert_eq!(harness.state().viewing.view, View::Term(2));
+        if size[0] < 1000.0 {
+            click(&mut harness, "row: sums");
+        }
+        click(&mut harness, "sum up to 3");
+        assert_eq!(harness.state().viewing.view, View::Upto(3));
+        assert_eq!(harness.state().link.n_starts(), 1, "a view never restarts");
+    }
+}
+
+#[test]
+fn keys_choose_the_view() {
+    let mut harness = harness([1280.0, 720.0]);
+    let mut after = |key: Key, modifiers: Modifiers| {
+        harness.key_press_modifiers(modifiers, key);
+        harness.run_steps(2);
+        harness.state().viewing.view
+    };
+    assert_eq!(after(Key::Num3, Modifiers::NONE), View::Term(3));
+    assert_eq!(after(Key::ArrowRight, Modifiers::NONE), View::Term(4));
+    assert_eq!(after(Key::ArrowDown, Modifiers::NONE), View::Upto(4));
+    assert_eq!(after(Key::Num1, Modifiers::SHIFT), View::Upto(1));
+    assert_eq!(after(Key::ArrowUp, Modifiers::NONE), View::Term(1));
+    assert_eq!(after(Key::ArrowLeft, Modifiers::NONE), View::Term(0));
+    assert_eq!(after(Key::L, Modifiers::NONE), View::Total);
+    assert_eq!(after(Key::Num9, Modifiers::NONE), View::Tail);
+    assert_eq!(harness.state().link.n_starts(), 1, "a view never restarts");
+}
+
+#[test]
+fn methods_change_by_click_and_by_key_and_keep_camera_and_view() {
+    let mut harness = harness([1280.0, 720.0]);
+    press(&mut harness, Key::Num2);
+    let camera = harness.state().setup.settings().unwrap().camera;
+    click(&mut harness, &format!("method: {}", METHODS[0].title));
+    assert_eq!(harness.state().setup.method(), METHODS[0]);
+    press(&mut harness, Key::CloseBracket);
+    assert_eq!(harness.state().setup.method(), METHODS[1]);
+    press(&mut harness, Key::OpenBracket);
+    let app = harness.state();
+    let job = app.link.started().unwrap();
+    assert_eq!(job.settings.method, METHODS[0]);
+    assert_eq!(
+        job.settings.camera.world_from_camera,
+        camera.world_from_camera
+    );
+    assert_eq!(app.viewing.view, View::Term(2));
+    assert_eq!(app.link.n_starts(), 4);
+}
+
+#[test]
+fn a_bad_path_says_so_and_keeps_the_scene() {
+    let mut harness = harness([1280.0, 960.0]);
+    press(&mut harness, Key::F2);
+    assert_eq!(harness.state().page, Page::Scene);
+    harness.get_by_label("path of a scene").focus();
+    harness.run_steps(2);
+    harness
+        .get_by_label("path of a scene")
+        .type_text("no-such-scene.glb");
+    harness.run_steps(2);
+    click(&mut harness, "Open");
+    wait(&mut harness, |app| !app.is_loading());
+    let notice = harness.state().notices.texts().next().unwrap().to_owned();
+    assert!(notice.contains("no-such-scene.glb"), "{notice}");
+    assert_eq!(
+        harness.state().setup.open.as_ref().unwrap().source,
+        "furnace"
+    );
+    press(&mut harness, Key::Escape);
+    press(&mut harness, Key::Escape);
+    assert_eq!(harness.state().notices.texts().count(), 0);
+
+    harness.state_mut().path = "cornell".to_owned();
+    harness.run_steps(2);
+    click(&mut harness, "Open");
+    wait(&mut harness, |app| !app.is_loading());
+    assert_eq!(
+        harness.state().setup.open.as_ref().unwrap().source,
+        "cornell"
+    );
+    assert_eq!(harness.state().link.n_starts(), 2);
+}
+
+fn wait(harness: &mut Harness<'_, App>, is_done: impl Fn(&App) -> bool) {
+    for _ in 0..1000 {
+        harness.run_steps(2);
+        if is_done(harness.state()) {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    panic!("nothing came from the background");
+}
+
+#[test]
+fn pausing_by_key_and_by_button() {
+    let mut harness = harness([1280.0, 720.0]);
+    press(&mut harness, Key::Space);
+    assert!(harness.state().link.is_paused());
+    click(&mut harness, "go on");
+    assert!(!harness.state().link.is_paused());
+    let n = harness.state().link.n_starts();
+    press(&mut harness, Key::R);
+    assert_eq!(harness.state().link.n_starts(), n + 1);
+}
+
+#[test]
+fn a_slider_steps_with_the_keyboard_and_resets() {
+    let mut harness = harness([1280.0, 960.0]);
+    assert_eq!(harness.state().setup.max_bounces, 16);
+    harness
+        .get_by_role_and_label(egui::accesskit::Role::Slider, "longest path")
+        .focus();
+    harness.run_steps(2);
+    press(&mut harness, Key::ArrowRight);
+    assert_eq!(harness.state().setup.max_bounces, 17);
+    assert_eq!(
+        harness.state().viewing.view,
+        View::Total,
+        "the arrow stays with the slider"
+    );
+    assert_eq!(harness.state().link.n_starts(), 2);
+    click(&mut harness, "reset longest path");
+    assert_eq!(harness.state().setup.max_bounces, 16);
+}
+
+#[test]
+fn parameters_of_the_method_can_be_changed() {
+    let mut harness = harness([1280.0, 960.0]);
+    let method = harness.state().setup.method();
+    let parameter = method.parameters.first().expect("pt-mis has roulette");
+    let before = harness.state().setup.settings().unwrap().values;
+    click(&mut harness, parameter.title);
+    let after = harness
+        .state()
+        .link
+        .started()
+        .unwrap()
+        .settings
+        .values
+        .clone();
+    assert_ne!(before, after);
+}
+
+#[test]
+fn stopping_after_iterations_does_not_restart() {
+    let mut harness = harness([1280.0, 960.0]);
+    click(&mut harness, "stop after: iterations");
+    assert_eq!(harness.state().setup.stop, StopRule::Iterations(256));
+    assert_eq!(harness.state().link.n_starts(), 1);
+}
+
+#[test]
+fn tab_hides_the_panels_and_f6_gives_them_the_keyboard() {
+    let mut harness = harness([1280.0, 720.0]);
+    press(&mut harness, Key::Tab);
+    assert!(harness.state().is_bare);
+    press(&mut harness, Key::Tab);
+    assert!(!harness.state().is_bare);
+    press(&mut harness, Key::F6);
+    assert!(harness.ctx.memory(|m| m.focused()).is_some());
+    press(&mut harness, Key::Tab);
+    assert!(!harness.state().is_bare, "Tab goes on to the next control");
+    press(&mut harness, Key::Escape);
+    assert!(harness.ctx.memory(|m| m.focused()).is_none());
+}
+
+#[test]
+fn display_keys_do_not_render_anew() {
+    let mut harness = harness([1280.0, 720.0]);
+    for key in [Key::E, Key::T, Key::C, Key::Plus, Key::Plus, Key::X] {
+        press(&mut harness, key);
+    }
+    let app = harness.state();
+    assert!((app.viewing.exposure_ev - 1.0 / 3.0).abs() < 1e-6);
+    assert!(app.viewing.is_false_colour && app.viewing.is_wiping);
+    assert!(app.viewing.zoom.is_some());
+    assert_eq!(app.link.n_starts(), 1);
+}
+
+#[test]
+fn the_camera_moves_and_comes_home() {
+    let mut harness = harness([1280.0, 720.0]);
+    let home = harness.state().setup.camera.as_ref().unwrap().eye();
+    press(&mut harness, Key::W);
+    assert_ne!(harness.state().setup.camera.as_ref().unwrap().eye(), home);
+    press(&mut harness, Key::Home);
+    assert_eq!(harness.state().setup.camera.as_ref().unwrap().eye(), home);
+}
+
+#[test]
+fn a_light_can_be_switched_off_and_a_material_edited() {
+    let mut harness = harness([1280.0, 2400.0]);
+    press(&mut harness, Key::F2);
+    let app = harness.state_mut();
+    let material = app
+        .setup
+        .open
+        .as_ref()
+        .unwrap()
+        .scene
+        .appearance()
+        .materials[0]
+        .name
+        .clone();
+    harness.run_steps(2);
+    click(&mut harness, &material);
+    let scene = &harness.state().setup.open.as_ref().unwrap().scene;
+    assert!(!scene.appearance().material_levels[0].is_on);
+    assert_eq!(harness.state().link.n_starts(), 2);
+}
+
+#[test]
+fn help_lists_the_keys_and_escape_closes_it() {
+    let mut harness = harness([1280.0, 720.0]);
+    press(&mut harness, Key::Questionmark);
+    assert!(harness.state().is_help_open);
+    assert!(harness.query_by_label("keys").is_some());
+    press(&mut harness, Key::Escape);
+    assert!(!harness.state().is_help_open);
+}

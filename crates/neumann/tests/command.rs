@@ -1,0 +1,455 @@
+//! The command as its users meet it: exit codes, files, JSON, resume, merge, threads.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use neumann_picture::exr_file::{Checkpoint, read_exr};
+use neumann_picture::image_file::read_image;
+use serde_json::Value;
+
+/// A folder of its own, removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new() -> Self {
+        static COUNTER: AtomicU32 = AtomicU32::new(0);
+        let n = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let path =
+            std::env::temp_dir().join(format!("neumann-command-test-{}-{n}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn join(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// Runs the command in this folder.
+    fn run(&self, line: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_neumann"))
+            .args(line.split_whitespace())
+            .current_dir(&self.0)
+            .env_remove("DISPLAY")
+            .env_remove("WAYLAND_DISPLAY")
+            .output()
+            .unwrap()
+    }
+
+    /// Runs the command, which must succeed; yields its stdout.
+    fn succeed(&self, line: &str) -> String {
+        let output = self.run(line);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "neumann {line}: {stderr}");
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Runs the command, which must end with the given code; yields its stderr.
+    fn fail(&self, line: &str, code: i32) -> String {
+        let output = self.run(line);
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "neumann {line}: {stderr}");
+        assert!(output.stdout.is_empty(), "errors go to stderr");
+        stderr
+    }
+
+    fn film(&self, name: &str) -> Checkpoint {
+        read_exr(&self.join(name)).unwrap()
+    }
+
+    fn names(&self) -> Vec<String> {
+        let mut names: Vec<_> = std::fs::read_dir(&self.0)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The largest difference of any channel of any layer, relative to the brightest value.
+fn distance(a: &Checkpoint, b: &Checkpoint) -> f32 {
+    let (mut largest, mut brightest) = (0f32, 0f32);
+    for (a, b) in a.film.layers().iter().zip(b.film.layers()) {
+        for (a, b) in a.iter().zip(b) {
+            largest = largest.max((*a - *b).map(f32::abs).max_channel());
+            brightest = brightest.max(a.max_channel());
+        }
+    }
+    assert!(brightest > 0.0, "black films are always alike");
+    largest / brightest
+}
+
+#[test]
+fn help_explains_every_subcommand() {
+    let folder = Folder::new();
+    let text = folder.succeed("--help");
+    for name in [
+        "view",
+        "render",
+        "series",
+        "compare",
+        "list",
+        "info",
+        "merge",
+        "completions",
+    ] {
+        assert!(text.contains(name), "{name}");
+        let help = folder.succeed(&format!("{name} --help"));
+        assert!(help.contains("Examples:"), "{name}");
+    }
+    assert!(folder.succeed("completions bash").contains("neumann"));
+    assert!(folder.succeed("--version").starts_with("neumann "));
+}
+
+#[test]
+fn wrong_usage_and_bad_input_end_with_2_and_one_line() {
+    let folder = Folder::new();
+    std::fs::write(folder.join("bad.gltf"), b"{ nonsense").unwrap();
+    std::fs::write(folder.join("bad.exr"), b"v/1\x01 nonsense").unwrap();
+    let cases = [
+        ("render bad.gltf -o a.exr", "bad.gltf"),
+        ("render missing.gltf -o a.exr", "missing.gltf"),
+        ("render cornell -o no/such/a.exr", "no/such"),
+        ("render cornell -o a.jpg", ".exr or .png"),
+        ("render cornell -o a.exr -o a.exr", "twice"),
+        ("render cornell -o a.exr --camera nobody", "nobody"),
+        ("render cornell -o a.exr --set nothing=1", "nothing"),
+        ("render cornell -o a.png --resume", "--resume"),
+        ("render cornell -o a.exr --env missing.hdr", "missing.hdr"),
+        ("render cornell -o a.exr --env-rotation 90", "--env"),
+        (
+            "render cornell -o a.exr --first-iteration 4294967295",
+            "--first-iteration",
+        ),
+        ("info bad.gltf", "bad.gltf"),
+        ("compare bad.exr bad.exr", "bad.exr"),
+        ("merge bad.exr bad.exr -o a.exr", "bad.exr"),
+        ("view missing.gltf", "missing.gltf"),
+        ("missing.gltf", "missing.gltf"),
+    ];
+    for (line, expected) in cases {
+        let stderr = folder.fail(line, 2);
+        assert!(stderr.contains(expected), "neumann {line}: {stderr}");
+        assert_eq!(
+            stderr.trim_end().lines().count(),
+            1,
+            "neumann {line}: {stderr}"
+        );
+    }
+    for line in [
+        "render cornell",
+        "render cornell -o a.exr --size huge",
+        "list nothing",
+        "--nonsense",
+    ] {
+        folder.fail(line, 2);
+    }
+    assert_eq!(
+        folder.names(),
+        ["bad.exr", "bad.gltf"],
+        "nothing was written"
+    );
+}
+
+#[test]
+fn a_render_writes_its_files_and_reports_what_it_did() {
+    let folder = Folder::new();
+    let line = "render furnace -o f.exr -o f.png --size 24x16 --iterations 16 --threads 2 --json";
+    let report: Value = serde_json::from_str(&folder.succeed(line)).unwrap();
+    let object = report.as_object().unwrap();
+    let mut keys: Vec<_> = object.keys().map(String::as_str).collect();
+    keys.sort_unstable();
+    let mut expected = [
+        "integrator",
+        "iterations",
+        "first_iteration",
+        "seconds",
+        "ms_per_iteration",
+        "samples_per_second",
+        "rays_per_second",
+        "refused",
+        "estimated_error",
+        "peak_memory_bytes",
+        "outputs",
+    ];
+    expected.sort_unstable();
+    assert_eq!(keys, expected);
+    assert_eq!(report["iterations"], 16);
+    assert_eq!(report["refused"], 0);
+    assert_eq!(report["outputs"].as_array().unwrap().len(), 2);
+    let film = folder.film("f.exr");
+    assert_eq!((film.film.width(), film.film.height()), (24, 16));
+    assert_eq!(film.metadata.iterations.to_string(), "0-15");
+    // Layer k of the furnace is 0.5^k.
+    for (k, mean) in film.film.layer_means().iter().take(3).enumerate() {
+        assert!(
+            (mean[1] - 0.5f64.powi(k as i32)).abs() < 0.02,
+            "{k}: {mean:?}"
+        );
+    }
+    let features = film.features.unwrap();
+    assert!((features.albedo[0].g - 0.5).abs() < 0.01);
+    assert!(features.depth.iter().all(|z| z.is_finite()));
+    let shown = read_image(&folder.join("f.png")).unwrap();
+    assert_eq!((shown.width, shown.height), (24, 16));
+    assert_eq!(
+        folder.names(),
+        ["f.exr", "f.png"],
+        "no temporary files stay"
+    );
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let folder = Folder::new();
+    for threads in [1, 2, 7] {
+        folder.succeed(&format!(
+            "render cornell-glass -o {threads}.exr --size 40x30 --iterations 4 --threads {threads}"
+        ));
+    }
+    let one = folder.film("1.exr");
+    for other in [folder.film("2.exr"), folder.film("7.exr")] {
+        assert_eq!(one.film.layers(), other.film.layers());
+        assert_eq!(one.film.total(), other.film.total());
+        assert_eq!(one.film.variance_of_mean(7), other.film.variance_of_mean(7));
+    }
+}
+
+#[test]
+fn resumed_and_merged_renders_equal_the_uninterrupted_one() {
+    let folder = Folder::new();
+    let base = "render cornell --size 32x32";
+    folder.succeed(&format!("{base} -o whole.exr --iterations 24"));
+    let whole = folder.film("whole.exr");
+    // An interrupted render, finished by the same line.
+    folder.succeed(&format!("{base} -o part.exr --iterations 10"));
+    assert!(
+        distance(&whole, &folder.film("part.exr")) > 1e-3,
+        "10 iterations are not 24"
+    );
+    folder.succeed(&format!("{base} -o part.exr --iterations 24 --resume"));
+    let resumed = folder.film("part.exr");
+    assert_eq!(resumed.metadata.iterations, whole.metadata.iterations);
+    assert!(
+        distance(&whole, &resumed) <= 1e-6,
+        "{}",
+        distance(&whole, &resumed)
+    );
+    // Two parts, merged in either order.
+    folder.succeed(&format!("{base} -o a.exr --iterations 8"));
+    folder.succeed(&format!(
+        "{base} -o b.exr --iterations 16 --first-iteration 8"
+    ));
+    folder.succeed("merge b.exr a.exr -o merged.exr");
+    folder.succeed("merge a.exr b.exr -o again.exr");
+    let merged = folder.film("merged.exr");
+    assert_eq!(merged.metadata.iterations.to_string(), "0-23");
+    assert!(
+        distance(&whole, &merged) <= 1e-6,
+        "{}",
+        distance(&whole, &merged)
+    );
+    assert_eq!(distance(&merged, &folder.film("again.exr")), 0.0);
+    for pixel in [0, 500, 1000] {
+        let (v, w) = (
+            whole.film.variance_of_mean(pixel).g,
+            merged.film.variance_of_mean(pixel).g,
+        );
+        assert!((v - w).abs() <= 1e-4 * v.max(1e-12), "{v} {w}");
+    }
+    // There is nothing left to do.
+    folder.succeed(&format!("{base} -o part.exr --iterations 24 --resume"));
+    assert_eq!(distance(&resumed, &folder.film("part.exr")), 0.0);
+}
+
+#[test]
+fn what_does_not_belong_together_is_neither_resumed_nor_merged() {
+    let folder = Folder::new();
+    let base = "render cornell --size 16x16 --iterations 2";
+    folder.succeed(&format!("{base} -o a.exr"));
+    let cases = [
+        ("--seed 1", "seed"),
+        ("--integrator pt-nee", "integrator"),
+        ("--max-bounces 3", "max-bounces"),
+        ("--fov 20", "camera"),
+        ("--layers 3", "layers"),
+        ("--size 8x8", "size"),
+    ];
+    for (option, field) in cases {
+        let base = base.replace(
+            if option.starts_with("--size") {
+                " --size 16x16"
+            } else {
+                "\0"
+            },
+            "",
+        );
+        let stderr = folder.fail(
+            &format!("{base} -o a.exr {option} --iterations 4 --resume")
+                .replace(" --iterations 2", ""),
+            2,
+        );
+        assert!(stderr.contains(field), "{option}: {stderr}");
+        folder.succeed(&format!("{base} -o b.exr --first-iteration 2 {option}"));
+        let stderr = folder.fail("merge a.exr b.exr -o c.exr", 2);
+        assert!(stderr.contains(field), "{option}: {stderr}");
+    }
+    folder.succeed("render furnace --size 16x16 --iterations 2 --first-iteration 2 -o b.exr");
+    assert!(
+        folder
+            .fail("merge a.exr b.exr -o c.exr", 2)
+            .contains("scene")
+    );
+    folder.succeed(&format!("{base} -o b.exr --first-iteration 1"));
+    let stderr = folder.fail("merge a.exr b.exr -o c.exr", 2);
+    assert!(stderr.contains("iterations 1-1"), "{stderr}");
+    assert!(!folder.join("c.exr").exists());
+}
+
+#[test]
+fn a_series_has_every_term_and_a_sheet() {
+    let folder = Folder::new();
+    let report: Value = serde_json::from_str(
+        &folder.succeed("series furnace -o out --size 16x16 --iterations 4 --layers 2 --json"),
+    )
+    .unwrap();
+    let mut names: Vec<_> = std::fs::read_dir(folder.join("out"))
+        .unwrap()
+        .map(|e| e.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    let expected = [
+        "L.exr",
+        "L.png",
+        "T0.exr",
+        "T0.png",
+        "T1.exr",
+        "T1.png",
+        "sheet.png",
+        "tail.exr",
+        "tail.png",
+        "upto0.exr",
+        "upto0.png",
+        "upto1.exr",
+        "upto1.png",
+    ];
+    assert_eq!(names, expected);
+    assert_eq!(report["outputs"].as_array().unwrap().len(), expected.len());
+    let shares = report["energy_shares"].as_array().unwrap();
+    let sum: f64 = shares.iter().map(|s| s.as_f64().unwrap()).sum();
+    assert!((sum - 1.0).abs() < 1e-9 && shares.len() == 3);
+    let term = read_image(&folder.join("out/T1.exr")).unwrap();
+    assert_eq!(term.pixels, folder.film("out/L.exr").film.layers()[1]);
+    folder.succeed("series furnace -o out --size 16x16 --iterations 6 --layers 2 --resume");
+    assert_eq!(folder.film("out/L.exr").film.n_iterations(), 6);
+}
+
+#[test]
+fn pictures_are_compared_layer_by_layer() {
+    let folder = Folder::new();
+    let base = "render furnace --size 16x16 --iterations 8";
+    folder.succeed(&format!("{base} -o a.exr"));
+    folder.succeed(&format!("{base} -o b.exr --seed 5"));
+    let compare = |line: &str| -> Value {
+        serde_json::from_str(&folder.succeed(&format!("compare {line} --json"))).unwrap()
+    };
+    let same = compare("a.exr a.exr");
+    assert_eq!(
+        (same["rmse"].as_f64(), same["flip"].as_f64()),
+        (Some(0.0), Some(0.0))
+    );
+    let other = compare("a.exr b.exr -o d.png");
+    assert!(other["rmse"].as_f64().unwrap() > 0.0);
+    assert!((other["mean_ratio"][1].as_f64().unwrap() - 1.0).abs() < 0.05);
+    assert_eq!(read_image(&folder.join("d.png")).unwrap().width, 16);
+    let terms = compare("a.exr a.exr --layer T1");
+    assert!((terms["mean"][0].as_f64().unwrap() - 0.5).abs() < 0.05);
+    assert!(
+        folder
+            .fail("compare a.exr b.exr --layer T9", 2)
+            .contains("T9")
+    );
+}
+
+#[test]
+fn lists_and_information_are_machine_readable() {
+    let folder = Folder::new();
+    let json = |line: &str| -> Value { serde_json::from_str(&folder.succeed(line)).unwrap() };
+    let scenes = json("list scenes --json");
+    assert!(
+        scenes
+            .as_array()
+            .unwrap()
+            .iter()
+            .any(|s| s["name"] == "cornell")
+    );
+    let integrators = json("list integrators --json");
+    let defaults: Vec<_> = integrators
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|m| m["is_default"] == true)
+        .collect();
+    assert_eq!(defaults.len(), 1);
+    assert_eq!(defaults[0]["id"], "pt-mis");
+    assert!(
+        json("list parameters --json")
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|p| p["default"] != Value::Null)
+    );
+    let info = json("info cornell --json");
+    assert!(info["triangles"].as_u64().unwrap() >= 10);
+    assert_eq!(info["cameras"].as_array().unwrap().len(), 1);
+    for what in ["scenes", "integrators", "parameters"] {
+        assert!(folder.succeed(&format!("list {what}")).lines().count() > 3);
+    }
+}
+
+#[test]
+fn goals_of_time_and_error_end_a_render() {
+    let folder = Folder::new();
+    let base = "render furnace --size 8x8 -o a.exr --json";
+    let report: Value =
+        serde_json::from_str(&folder.succeed(&format!("{base} --time 0.05"))).unwrap();
+    assert!(report["seconds"].as_f64().unwrap() >= 0.05);
+    let line = format!("{base} --until-error 0.02 --integrator pt-nee");
+    let report: Value = serde_json::from_str(&folder.succeed(&line)).unwrap();
+    assert!(report["estimated_error"].as_f64().unwrap() <= 0.02);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_render_keeps_its_iterations() {
+    let folder = Folder::new();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_neumann"))
+        .args("render cornell --size 64x64 --time 600 -o a.exr".split(' '))
+        .current_dir(&folder.0)
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(4));
+    let pid = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &pid])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(1), "interrupted is not done");
+    let film = folder.film("a.exr");
+    assert!(film.film.n_iterations() > 0);
+    assert_eq!(film.metadata.iterations.count(), film.film.n_iterations());
+    let path: &Path = &folder.join("a.exr");
+    assert!(path.exists());
+}

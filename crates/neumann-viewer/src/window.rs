@@ -114,6 +114,7 @@ impl Handler {
         let window = Arc::new(window);
         let ctx = Context::default();
         crate::theme::install(&ctx);
+        crate::theme::set_cleared(&ctx);
         // The device before the workers: a software adapter's own threads are not to be niced.
         let surface = Surface::new(event_loop, Arc::clone(&window))?;
         let mut egui = egui_winit::State::new(
@@ -269,9 +270,8 @@ impl Running {
             .viewport_output
             .get(&ViewportId::ROOT)
             .map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        if delay.is_zero() {
-            self.window.request_redraw();
-        } else if let Some(at) = Instant::now().checked_add(delay) {
+        // Egui asks for one more frame after any input; it must not stand in the way of the next.
+        if let Some(at) = Instant::now().checked_add(delay.max(self.period)) {
             self.wake_at(at);
         }
         let laid_out = start.elapsed();

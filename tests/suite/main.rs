@@ -1,1 +1,11 @@
-//! The suite.
+//! The questions that the program must answer, one module each.
+
+mod agreement;
+mod cameras;
+mod determinism;
+mod energy;
+mod lights;
+mod reference;
+mod sampling;
+mod scenes;
+mod series;

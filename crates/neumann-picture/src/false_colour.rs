@@ -44,7 +44,7 @@ impl ColourMap {
     #[must_use]
     pub fn rgb(self, t: f32) -> [u8; 3] {
         let table = self.table();
-        let x = t.max(0.0).min(1.0) * (table.len() - 1) as f32;
+        let x = if t > 0.0 { t.min(1.0) } else { 0.0 } * (table.len() - 1) as f32;
         let i = (x as usize).min(table.len() - 2);
         let f = x - i as f32;
         let (a, b) = (channels(table[i]), channels(table[i + 1]));

@@ -8,14 +8,14 @@
 //!
 //! Knows no window and no terminal.
 
-//pub mod compare;
+pub mod compare;
 mod error;
 pub mod exr_file;
 pub mod false_colour;
 pub mod files;
 pub mod image_file;
 pub mod png_file;
-//pub mod sheet;
+pub mod sheet;
 pub mod tone;
 
 pub use error::PictureError;

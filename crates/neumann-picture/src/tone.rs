@@ -4,8 +4,8 @@
 //!
 //! A curve takes scene-linear Rec. 709 values to display-linear ones in [0, 1].
 //! Sources: \[Reinhard 2002\] (3), here per channel; \[Hill\], the fit of the ACES
-//! RRT and ODT in the BakingLab of MJP and Stephen Hill; \[Sobotka\] AgX, with the
-//! polynomial of Benjamin Wrensch, "Minimal AgX implementation" (2023);
+//! RRT and ODT in the `BakingLab` of MJP and Stephen Hill; \[Sobotka\] `AgX`, with the
+//! polynomial of Benjamin Wrensch, "Minimal `AgX` implementation" (2023);
 //! \[Khronos\] PBR Neutral tone mapper, specification of 2024.
 //!
 //! Greys stay greys to the last bit: every matrix here is applied as "own
@@ -62,8 +62,8 @@ impl ToneCurve {
     /// not a number becomes black.
     #[must_use]
     pub fn apply(self, exposed: Rgb) -> Rgb {
-        // Negative values occur in differences; f32::max turns NaN into 0.
-        let x = exposed.map(|v| v.max(0.0).min(LARGEST));
+        // Negative values occur in differences, and NaN compares as false.
+        let x = exposed.map(|v| if v > 0.0 { v.min(LARGEST) } else { 0.0 });
         let y = match self {
             Self::None => x,
             Self::Reinhard => x.map(curves::reinhard),

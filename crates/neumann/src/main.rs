@@ -1,2 +1,46 @@
-//! The command.
-fn main() {}
+//! The command `neumann`: a thin door.
+//!
+//! [`cli`] says what can be typed; each subcommand has a file of its own;
+//! [`options`] turns what was typed into a scene and settings; [`session`] renders;
+//! [`outputs`] writes. Results go to stdout, everything else to stderr.
+//! Exit code 0: done. 1: failed while working. 2: wrong usage or bad input.
+
+mod cli;
+mod compare;
+mod completions;
+mod console;
+mod failure;
+mod info;
+mod interrupt;
+mod list;
+mod merge;
+mod options;
+mod outputs;
+mod progress;
+mod render;
+mod series;
+mod session;
+mod start;
+mod view;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use cli::{Cli, Command};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match cli.command {
+        None => start::run(cli.scene.as_deref()),
+        Some(Command::View(arguments)) => view::run(&arguments),
+        Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Series(arguments)) => series::run(&arguments),
+        Some(Command::Compare(arguments)) => compare::run(&arguments),
+        Some(Command::List(arguments)) => list::run(&arguments),
+        Some(Command::Info(arguments)) => info::run(&arguments),
+        Some(Command::Merge(arguments)) => merge::run(&arguments),
+        Some(Command::Completions(arguments)) => completions::run(&arguments),
+    };
+    failure::exit_code(result)
+}

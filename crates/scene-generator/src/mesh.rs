@@ -263,13 +263,17 @@ mod tests {
             Mesh::sphere(16),
             Mesh::torus(0.5, 0.1, 16, Sweep::full(32)),
             Mesh::lathe(&[(0.2, 0.0), (0.3, 1.0), (0.0, 1.0)], Sweep::full(32)),
+            Mesh::lathe(&[(0.2, 0.0), (0.0, 1.0)], Sweep::full(32)),
+            Mesh::lathe(&[(0.0, 0.0), (0.2, 1.0)], Sweep::arc(0.0, 2.0, 8)),
             Mesh::extrusion(&[(1.0, 0.0), (0.0, 0.0), (-1.0, 1.0)], 1.0),
             Mesh::sheet(dvec2(1.0, 1.0), 4, flat),
         ] {
             for t in mesh.indices.chunks_exact(3) {
                 let [a, b, c] = [0, 1, 2].map(|i| mesh.positions[t[i] as usize]);
                 let ng = (b - a).cross(c - a);
-                assert!(ng.dot(mesh.normals[t[0] as usize]) > 0.0);
+                for corner in t {
+                    assert!(ng.dot(mesh.normals[*corner as usize]) > 0.0);
+                }
             }
         }
     }

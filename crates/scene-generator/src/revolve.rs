@@ -99,8 +99,8 @@ impl Sweep {
         self.steps + u32::from(!self.is_closed)
     }
 
-    fn angle(self, column: u32) -> f64 {
-        self.start + (self.end - self.start) * f64::from(column) / f64::from(self.steps)
+    fn angle(self, column: f64) -> f64 {
+        self.start + (self.end - self.start) * column / f64::from(self.steps)
     }
 }
 
@@ -131,18 +131,19 @@ pub(crate) fn smooth_profile(profile: &[(f64, f64)]) -> Vec<ProfilePoint> {
 fn revolve(profile: &[ProfilePoint], sweep: Sweep) -> Mesh {
     let mut mesh = Mesh::default();
     let mut first_of_ring = Vec::new();
-    // A ring of no radius is one vertex: a pole.
-    let ring_size = |p: &ProfilePoint| {
-        if p.point.x == 0.0 {
-            1
-        } else {
-            sweep.n_columns()
-        }
+    // A ring of no radius is a pole: one vertex where the surface is level there; at a tip,
+    // which has no normal, one for each facet, with the normal of the facet's middle.
+    let is_pole = |p: &ProfilePoint| p.point.x == 0.0;
+    let ring_size = |p: &ProfilePoint| match (is_pole(p), p.normal.x == 0.0) {
+        (true, true) => 1,
+        (true, false) => sweep.steps,
+        (false, _) => sweep.n_columns(),
     };
     for p in profile {
         first_of_ring.push(u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX));
+        let middle = if is_pole(p) { 0.5 } else { 0.0 };
         for column in 0..ring_size(p) {
-            let (sin, cos) = sweep.angle(column).sin_cos();
+            let (sin, cos) = sweep.angle(f64::from(column) + middle).sin_cos();
             let turn = |v: DVec2| dvec3(v.x * cos, v.y, -v.x * sin);
             mesh.positions.push(turn(p.point));
             mesh.normals.push(turn(p.normal).normalize());
@@ -154,10 +155,11 @@ fn revolve(profile: &[ProfilePoint], sweep: Sweep) -> Mesh {
         let high = |column: u32| first_of_ring[ring + 1] + column % high_size;
         for column in 0..sweep.steps {
             let next = column + 1;
-            if low_size > 1 {
-                mesh.indices.extend([low(column), low(next), high(next)]);
+            let above = if is_pole(&pair[1]) { column } else { next };
+            if !is_pole(&pair[0]) {
+                mesh.indices.extend([low(column), low(next), high(above)]);
             }
-            if high_size > 1 {
+            if !is_pole(&pair[1]) {
                 mesh.indices.extend([low(column), high(next), high(column)]);
             }
         }

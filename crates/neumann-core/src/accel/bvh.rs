@@ -1,25 +1,21 @@
 //! A bounding volume hierarchy over triangles.
-//!
-//! obvhs builds the tree; the triangle test is our own, watertight one. Of two
-//! triangles at the same distance the one with the lower index is hit, so that the
-//! answer does not depend on the order in which the tree is walked.
 
 use std::time::Duration;
 
 use glam::Vec3;
 use obvhs::BvhBuildParams;
-use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::triangle::Triangle;
 
-use super::triangle::{Corners, ShearedRay, corners};
+use super::traverse::{self, STACK_SIZE};
+use super::wide::{WIDTH, WideTree};
 use crate::math::Ray;
 
 /// A tree over triangles.
 pub struct Bvh {
-    tree: Bvh2,
-    /// Corners in the order of the leaves.
-    corners: Vec<Corners>,
+    tree: WideTree,
+    n_triangles: usize,
+    kernel: Kernel,
 }
 
 /// What a ray meets first.
@@ -33,9 +29,17 @@ pub struct Hit {
     pub barycentrics: [f32; 2],
 }
 
+/// Which compilation of the traversal runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kernel {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+}
+
 impl std::fmt::Debug for Bvh {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Bvh({} triangles)", self.corners.len())
+        write!(f, "Bvh({} triangles)", self.n_triangles)
     }
 }
 
@@ -51,69 +55,210 @@ impl Bvh {
                 v2: t[2].into(),
             })
             .collect();
-        let params = if triangles.len() > 200_000 {
-            BvhBuildParams::medium_build()
-        } else {
-            BvhBuildParams::slow_build()
+        // Reinsertion of half the nodes makes nearly the best tree at half its time; big scenes
+        // get less of it, so that something is on screen soon.
+        let params = BvhBuildParams {
+            pre_split: false,
+            reinsertion_batch_ratio: if triangles.len() > 500_000 { 0.2 } else { 0.5 },
+            post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
+            max_prims_per_leaf: 1,
+            ..BvhBuildParams::medium_build()
         };
-        let tree = build_bvh2_from_tris(&for_builder, params, &mut Duration::default());
-        let corners = tree
-            .primitive_indices
-            .iter()
-            .map(|i| corners(&triangles[*i as usize]))
-            .collect();
-        Self { tree, corners }
+        let tree = if for_builder.is_empty() {
+            WideTree::default()
+        } else {
+            let binary = build_bvh2_from_tris(&for_builder, params, &mut Duration::default());
+            WideTree::new(&binary, triangles)
+        };
+        debug_assert!(
+            tree.depth * (WIDTH - 1) < STACK_SIZE,
+            "the stack has room for the deepest way down"
+        );
+        Self {
+            tree,
+            n_triangles: triangles.len(),
+            kernel: Kernel::best(),
+        }
     }
 
     /// What the ray meets first, if anything.
     #[inline]
     #[must_use]
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        if self.corners.is_empty() {
+        if self.n_triangles == 0 {
             return None;
         }
-        let sheared = ShearedRay::new(ray.origin, ray.direction);
-        let mut best: Option<Hit> = None;
-        let mut limit = ray.t_max;
-        let traversal = traversal_ray(ray);
-        self.tree
-            .ray_traverse(traversal, &mut obvhs::ray::RayHit::none(), |_, slot| {
-                let Some(hit) = sheared.intersect(&self.corners[slot], limit) else {
-                    return f32::INFINITY;
-                };
-                let triangle = self.tree.primitive_indices[slot];
-                let is_better =
-                    best.is_none_or(|b| hit.t < b.t || (hit.t == b.t && triangle < b.triangle));
-                if is_better {
-                    limit = hit.t;
-                    best = Some(Hit {
-                        t: hit.t,
-                        triangle,
-                        barycentrics: hit.barycentrics,
-                    });
-                }
-                hit.t
-            });
-        best
+        match self.kernel {
+            Kernel::Portable => closest_portable(&self.tree, ray),
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx2 => avx2::closest(&self.tree, ray),
+        }
     }
 
     /// True if anything is in the way of the ray before its end.
     #[inline]
     #[must_use]
     pub fn is_occluded(&self, ray: &Ray) -> bool {
-        if self.corners.is_empty() {
+        if self.n_triangles == 0 {
             return false;
         }
-        let sheared = ShearedRay::new(ray.origin, ray.direction);
-        !self.tree.ray_traverse_miss(traversal_ray(ray), |_, slot| {
-            match sheared.intersect(&self.corners[slot], ray.t_max) {
-                Some(hit) if hit.t < ray.t_max => hit.t,
-                _ => f32::INFINITY,
-            }
-        })
+        match self.kernel {
+            Kernel::Portable => any_portable(&self.tree, ray),
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx2 => avx2::any(&self.tree, ray),
+        }
     }
 }
 
-fn traversal_ray(ray: &Ray) -> obvhs::ray::Ray {
-    obvhs::ray::Ray::new(ray.origin.into(), ray.direction.into(), 0.0, ray.t_max)
+impl Kernel {
+    fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if std::is_x86_feature_detected!("avx2")
+            && std::is_x86_feature_detected!("fma")
+            && std::is_x86_feature_detected!("bmi1")
+            && std::is_x86_feature_detected!("lzcnt")
+        {
+            return Self::Avx2;
+        }
+        Self::Portable
+    }
+}
+
+#[inline(never)]
+fn closest_portable(tree: &WideTree, ray: &Ray) -> Option<Hit> {
+    traverse::closest(tree, ray)
+}
+
+#[inline(never)]
+fn any_portable(tree: &WideTree, ray: &Ray) -> bool {
+    traverse::any(tree, ray)
+}
+
+/// The traversal compiled for AVX2 and FMA.
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "the processor is known to have these features")]
+mod avx2 {
+    use super::{Hit, WideTree, traverse};
+    use crate::math::Ray;
+
+    pub(super) fn closest(tree: &WideTree, ray: &Ray) -> Option<Hit> {
+        // SAFETY: `Kernel::Avx2` is chosen only where all of the features were detected.
+        unsafe { closest_with_features(tree, ray) }
+    }
+
+    pub(super) fn any(tree: &WideTree, ray: &Ray) -> bool {
+        // SAFETY: as above.
+        unsafe { any_with_features(tree, ray) }
+    }
+
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
+    fn closest_with_features(tree: &WideTree, ray: &Ray) -> Option<Hit> {
+        traverse::closest(tree, ray)
+    }
+
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
+    fn any_with_features(tree: &WideTree, ray: &Ray) -> bool {
+        traverse::any(tree, ray)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::{Bvh, Kernel};
+    use crate::math::Ray;
+    use crate::sampling::{Sampler, warp};
+
+    /// A closed, bumpy sphere.
+    fn sphere(n: usize, scale: f32) -> Vec<[Vec3; 3]> {
+        let at = |i: usize, j: usize| {
+            let theta = std::f32::consts::PI * i as f32 / n as f32;
+            let phi = std::f32::consts::TAU * (j % (2 * n)) as f32 / (2 * n) as f32;
+            let bump = if i == 0 || i == n {
+                1.0
+            } else {
+                1.0 + 0.1 * (5.0 * phi).sin()
+            };
+            let (st, ct) = if i == n {
+                (0.0, -1.0)
+            } else if i == 0 {
+                (0.0, 1.0)
+            } else {
+                theta.sin_cos()
+            };
+            Vec3::new(st * phi.cos(), ct, st * phi.sin()) * (bump * scale)
+        };
+        let mut triangles = Vec::new();
+        for i in 0..n {
+            for j in 0..2 * n {
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                if i + 1 < n {
+                    triangles.push([a, b, c]);
+                }
+                if i > 0 {
+                    triangles.push([a, c, d]);
+                }
+            }
+        }
+        triangles
+    }
+
+    #[test]
+    fn the_tree_finds_what_a_loop_over_all_triangles_finds() {
+        let triangles = sphere(24, 1.0);
+        let bvh = Bvh::new(&triangles);
+        let single: Vec<Bvh> = triangles.iter().map(|t| Bvh::new(&[*t])).collect();
+        for i in 0..2000 {
+            let mut sampler = Sampler::new(3, i, 0);
+            let origin = warp::uniform_sphere(sampler.next_2d()) * 2.0;
+            let ray = Ray::new(origin, warp::uniform_sphere(sampler.next_2d()));
+            let best = single
+                .iter()
+                .enumerate()
+                .filter_map(|(k, b)| b.closest_hit(&ray).map(|h| (h.t, k as u32)))
+                .min_by(|a, b| a.partial_cmp(b).unwrap());
+            let hit = bvh.closest_hit(&ray).map(|h| (h.t, h.triangle));
+            assert_eq!(hit, best, "ray {i}");
+            assert_eq!(bvh.is_occluded(&ray), best.is_some());
+        }
+    }
+
+    #[test]
+    fn no_ray_slips_through_a_closed_mesh() {
+        for scale in [1e-3, 1.0, 1e4] {
+            let triangles = sphere(40, scale);
+            let mut bvh = Bvh::new(&triangles);
+            for kernel in [Kernel::best(), Kernel::Portable] {
+                bvh.kernel = kernel;
+                for i in 0..100_000u64 {
+                    let mut sampler = Sampler::new(5, i, 0);
+                    let origin = warp::uniform_sphere(sampler.next_2d()) * (0.5 * scale);
+                    // At a corner, or at a point of an edge.
+                    let triangle = &triangles[i as usize % triangles.len()];
+                    let along = if i % 2 == 0 { 0.0 } else { sampler.next_1d() };
+                    let target = triangle[0] + (triangle[1] - triangle[0]) * along;
+                    let ray = Ray::new(origin, (target - origin).normalize());
+                    assert!(bvh.closest_hit(&ray).is_some(), "{scale} {kernel:?} {i}");
+                    assert!(bvh.is_occluded(&ray), "{scale} {kernel:?} {i}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn of_two_triangles_at_one_distance_the_lower_index_is_hit() {
+        let t = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z);
+        let mut triangles = vec![t; 9];
+        triangles[0] = t.map(|v| v - Vec3::Z);
+        assert_eq!(Bvh::new(&triangles).closest_hit(&ray).unwrap().triangle, 1);
+    }
+
+    #[test]
+    fn an_empty_tree_is_missed() {
+        let ray = Ray::new(Vec3::ZERO, Vec3::X);
+        assert!(Bvh::new(&[]).closest_hit(&ray).is_none());
+        assert!(!Bvh::new(&[]).is_occluded(&ray));
+    }
 }

@@ -193,12 +193,9 @@ impl Scatter for Dielectric {
         let denominator = om + eta * im;
         // Jacobian dω_m / dω_i of refraction, Walter et al. 2007 (17).
         let jacobian = eta * eta * im.abs() / (denominator * denominator);
-        // A point inversion takes wo to the upper side and the facet that faces it to m.
-        let side = 1f32.copysign(wo.z);
-        p * self
-            .ggx
-            .pdf_w_visible(wo * side, m * side * m.dot(wo).signum() * side)
-            * jacobian
+        // From below, a point inversion takes wo to the upper side and the facet facing it to m.
+        let upper_wo = wo * 1f32.copysign(wo.z);
+        p * self.ggx.pdf_w_visible(upper_wo, m) * jacobian
     }
 
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample> {

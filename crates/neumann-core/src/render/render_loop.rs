@@ -326,6 +326,9 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             shared.publish(|published| {
                 if let Some(film) = fresh {
                     published.film = film;
+                    // What was done was the job or the rung before.
+                    published.stats.is_done = false;
+                    published.stats.n_iterations = 1;
                 }
                 published.film.add(frame);
                 published.generation = generation;

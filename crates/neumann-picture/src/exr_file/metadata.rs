@@ -6,9 +6,8 @@
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::LayerAttributes;
 use neumann_core::render::RenderSettings;
-use neumann_core::scene::description::{
-    CameraDescription, EnvironmentDescription, Projection, SceneDescription,
-};
+use neumann_core::scene::description::{CameraDescription, EnvironmentDescription, Projection};
+use neumann_core::scene::{Appearance, Scene};
 
 use super::IterationRanges;
 
@@ -37,6 +36,8 @@ pub struct Metadata {
     pub camera: String,
     /// The environment, by [`environment_text`].
     pub environment: String,
+    /// Materials and lights, by [`appearance_text`]: they may have been edited since they were loaded.
+    pub appearance: String,
     /// Contributions refused because they were not finite or negative.
     pub n_refused: u64,
 }
@@ -61,7 +62,7 @@ impl std::fmt::Display for Difference {
 impl Metadata {
     /// What is known before the first iteration.
     #[must_use]
-    pub fn of(scene: &SceneDescription, settings: &RenderSettings) -> Self {
+    pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
         let value_text = |p: &neumann_core::integrator::Parameter| {
             let value = settings.values.value(p.name);
             p.format(value.unwrap_or_else(|| p.default_value()))
@@ -75,12 +76,13 @@ impl Metadata {
                 .map(|p| (p.name.to_owned(), value_text(p)))
                 .collect(),
             seed: settings.seed,
-            scene: scene.name.clone(),
-            content_hash: scene.content_hash,
+            scene: scene.name().to_owned(),
+            content_hash: scene.content_hash(),
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             max_bounces: settings.max_bounces,
             camera: camera_text(&settings.camera),
-            environment: environment_text(scene.environment.as_ref()),
+            environment: environment_text(scene.appearance().environment.as_deref()),
+            appearance: appearance_text(scene.appearance()),
             ..Self::default()
         }
     }
@@ -125,6 +127,11 @@ impl Metadata {
                 self.environment.clone(),
                 other.environment.clone(),
             ),
+            (
+                "materials and lights",
+                self.appearance.clone(),
+                other.appearance.clone(),
+            ),
         ];
         fields
             .into_iter()
@@ -137,15 +144,14 @@ impl Metadata {
             .collect()
     }
 
-    /// The sampling that all of it came from: what may differ between two pictures of one scene
-    /// without their being different pictures.
+    /// One line for people.
     #[must_use]
     pub fn summary(&self) -> String {
+        let n = self.iterations.count();
+        let iterations = if n == 1 { "iteration" } else { "iterations" };
         format!(
-            "{} · {} · {} iterations",
-            self.scene,
-            self.integrator,
-            self.iterations.count()
+            "{} · {n} {iterations} · seed {}",
+            self.integrator, self.seed
         )
     }
 
@@ -165,6 +171,7 @@ impl Metadata {
             ("maxBounces", count(self.max_bounces)),
             ("camera", text(&self.camera)),
             ("environment", text(&self.environment)),
+            ("appearance", text(&self.appearance)),
             ("refused", text(&self.n_refused.to_string())),
         ];
         for (name, value) in entries {
@@ -215,6 +222,7 @@ impl Metadata {
             max_bounces: count("maxBounces")?,
             camera: string("camera")?,
             environment: string("environment")?,
+            appearance: string("appearance")?,
             n_refused: number("refused")?,
         })
     }
@@ -254,16 +262,31 @@ pub fn environment_text(environment: Option<&EnvironmentDescription>) -> String 
     let Some(e) = environment else {
         return "none".to_owned();
     };
-    // FNV-1a over the bits of the texels.
-    let hash = e
-        .texels
-        .iter()
-        .flat_map(|t| t.to_array())
-        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, channel| {
-            (hash ^ u64::from(channel.to_bits())).wrapping_mul(0x0000_0100_0000_01b3)
-        });
+    let bits = e.texels.iter().flat_map(|t| t.to_array()).map(f32::to_bits);
+    let hash = fnv1a(bits);
     format!(
         "{} {}x{} {hash:016x}; intensity {}; rotation {}",
         e.name, e.width, e.height, e.intensity, e.rotation
     )
+}
+
+/// Materials, punctual lights and levels of lights as a text that differs where they do.
+#[must_use]
+pub fn appearance_text(appearance: &Appearance) -> String {
+    let text = format!(
+        "{:?} {:?} {:?} {:?} {:?}",
+        appearance.materials,
+        appearance.lights,
+        appearance.material_levels,
+        appearance.light_levels,
+        appearance.environment_level
+    );
+    format!("{:016x}", fnv1a(text.bytes().map(u32::from)))
+}
+
+/// FNV-1a, a word at a time.
+fn fnv1a(words: impl Iterator<Item = u32>) -> u64 {
+    words.fold(0xcbf2_9ce4_8422_2325, |hash, word| {
+        (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
 }

@@ -1,6 +1,6 @@
 //! Layered OpenEXR files: a film and its history.
 //!
-//! One part, one flat list of channels, as tev, DJV, Nuke and OpenImageIO expect:
+//! One part, one flat list of channels, as tev, DJV, Nuke and `OpenImageIO` expect:
 //!
 //! | channels | content |
 //! |---|---|
@@ -20,7 +20,7 @@ mod ranges;
 mod read;
 mod write;
 
-pub use metadata::{Difference, Metadata, camera_text, environment_text};
+pub use metadata::{Difference, Metadata, appearance_text, camera_text, environment_text};
 pub use ranges::IterationRanges;
 pub use read::{Checkpoint, read_exr, read_layers};
 pub use write::{Precision, write_exr, write_exr_as, write_image_exr};

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::io::BufReader;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use exr::image::read::read;
@@ -147,13 +148,18 @@ impl Raw {
         let meta = MetaData::read_from_buffered(BufReader::new(file), false).map_err(broken)?;
         check(&meta.headers, length).map_err(|what| PictureError::content(path, what))?;
         let file = open_regular(path)?;
-        let image = read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .all_channels()
-            .all_layers()
-            .all_attributes()
-            .from_buffered(BufReader::with_capacity(1 << 18, file))
+        // A bug of the decoder on odd bytes is an error of the file, not the end of the program.
+        let decode = || {
+            read()
+                .no_deep_data()
+                .largest_resolution_level()
+                .all_channels()
+                .all_layers()
+                .all_attributes()
+                .from_buffered(BufReader::with_capacity(1 << 18, file))
+        };
+        let image = catch_unwind(AssertUnwindSafe(decode))
+            .map_err(|_| PictureError::content(path, "broken OpenEXR file"))?
             .map_err(broken)?;
         let mut parts = image.layer_data.into_iter();
         let first = parts

@@ -47,6 +47,7 @@ fn metadata() -> Metadata {
         max_bounces: 16,
         camera: "perspective 0.7; pinhole; 1 0 0".to_owned(),
         environment: "none".to_owned(),
+        appearance: "0123".to_owned(),
         n_refused: 3,
     }
 }
@@ -126,7 +127,7 @@ fn a_plain_picture_is_no_film() {
     write_image_exr(&path, (3, 2), &pixels, &[("view", "T²Lₑ")]).unwrap();
     assert_eq!(read_layers(&path).unwrap().pixels, pixels);
     let error = read_exr(&path).unwrap_err().to_string();
-    assert!(error.contains("neumann.integrator"), "{error}");
+    assert!(error.contains("no proper entry 'neumann."), "{error}");
 }
 
 #[test]

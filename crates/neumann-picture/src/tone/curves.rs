@@ -44,22 +44,22 @@ pub(super) fn aces(x: Rgb) -> Rgb {
     mix(&ACES_OUT, mix(&ACES_IN, x.map(|v| v.min(1e6))).map(fit))
 }
 
-/// Rec. 709 to the space in which AgX compresses.
+/// Rec. 709 to the space in which `AgX` compresses.
 const AGX_IN: Mixing = [
     [0.078_433_6, 0.079_223_745],
-    [0.042_328_242, 0.079_166_127],
+    [0.042_328_242, 0.079_166_13],
     [0.042_375_655, 0.078_433_6],
 ];
 /// And back.
 const AGX_OUT: Mixing = [
-    [-0.098_020_88, -0.099_029_744],
+    [-0.098_020_88, -0.099_029_74],
     [-0.052_896_85, -0.098_961_177],
     [-0.052_971_635, -0.098_043_45],
 ];
 /// Range of the logarithmic encoding, stops.
 const AGX_EV: [f32; 2] = [-12.473_93, 4.026_069];
 
-/// AgX's base look: log encoding, contrast polynomial, display of exponent 2.2.
+/// `AgX`'s base look: log encoding, contrast polynomial, display of exponent 2.2.
 pub(super) fn agx(x: Rgb) -> Rgb {
     let compress = |v: f32| {
         let ev = v.max(1e-10).log2().clamp(AGX_EV[0], AGX_EV[1]);

@@ -162,7 +162,8 @@ impl EnvironmentLight {
     fn uv(&self, direction: Vec3) -> [f32; 2] {
         let d = self.turned(direction, -self.sin_rotation);
         let u = 0.5 + d.x.atan2(-d.z) / TAU;
-        let v = d.y.clamp(-1.0, 1.0).acos() / PI;
+        // The arc cosine of y would lose half of all digits near the poles.
+        let v = (d.x * d.x + d.z * d.z).sqrt().atan2(d.y) / PI;
         [u.rem_euclid(1.0), v]
     }
 

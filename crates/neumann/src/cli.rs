@@ -1,0 +1,320 @@
+//! What can be typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
+use neumann_core::film::View;
+
+use crate::options::{DisplayOptions, GoalOptions, LoadArguments, SettingsOptions};
+
+/// The whole command line.
+#[derive(Debug, Parser)]
+#[command(
+    name = "neumann",
+    version,
+    about = "Shows light transport bounce by bounce: L = L_e + T L_e + T²L_e + …",
+    after_help = "Without a subcommand the window opens with SCENE, or with the embedded Cornell box. Where there \
+                  is no display or graphics adapter, the scene and its series are rendered to ./neumann-out instead.\n\n\
+                  Examples:\n  \
+                  neumann\n  \
+                  neumann cornell-glass\n  \
+                  neumann render room.gltf -o room.exr -o room.png --time 60\n  \
+                  neumann series cornell -o out\n  \
+                  neumann compare room.exr reference.exr\n\n\
+                  Exit codes: 0 done, 1 failed while working, 2 wrong usage or bad input.",
+    args_conflicts_with_subcommands = true,
+    max_term_width = 110
+)]
+pub(crate) struct Cli {
+    /// A .gltf or .glb file, or the name of a built-in scene ('neumann list scenes')
+    pub(crate) scene: Option<String>,
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Open the window, or draw it to a file
+    View(ViewArguments),
+    /// Render a scene to EXR and PNG files
+    Render(RenderArguments),
+    /// Render the terms of the series and its partial sums, and lay them out on a sheet
+    Series(SeriesArguments),
+    /// Measure how far two pictures are apart: RMSE, relMSE, FLIP, mean ratio
+    Compare(CompareArguments),
+    /// List built-in scenes, integrators or their parameters
+    List(ListArguments),
+    /// Say what a scene consists of
+    Info(InfoArguments),
+    /// Join renders of one scene with different iterations into one
+    Merge(MergeArguments),
+    /// Print completions for a shell
+    Completions(CompletionsArguments),
+}
+
+/// Arguments of `view`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    neumann view cornell --view T2\n  \
+    neumann view room.glb --integrator pt-nee --exposure 1.5 --tone agx\n  \
+    neumann view cornell --screenshot window.png --after 64 --window-size 1280x720")]
+pub(crate) struct ViewArguments {
+    /// A .gltf or .glb file, or the name of a built-in scene
+    pub(crate) scene: String,
+    #[command(flatten)]
+    pub(crate) settings: SettingsOptions,
+    #[command(flatten)]
+    pub(crate) display: DisplayOptions,
+    /// What is shown: L, T0, T1, …, tail, or upto:K for a partial sum
+    #[arg(long, default_value = "L", value_name = "VIEW")]
+    pub(crate) view: View,
+    /// Stop after so many iterations
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) iterations: Option<u32>,
+    /// Stop after so much time of rendering
+    #[arg(long, value_name = "SECONDS", value_parser = crate::options::positive)]
+    pub(crate) time: Option<f64>,
+    /// Draw the window to a PNG file instead of opening it; needs no display
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) screenshot: Option<PathBuf>,
+    /// Iterations at full resolution to wait for before the screenshot
+    #[arg(
+        long,
+        value_name = "ITERATIONS",
+        default_value_t = 16,
+        requires = "screenshot"
+    )]
+    pub(crate) after: u32,
+    /// Size of the window on the screenshot
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = crate::options::size, requires = "screenshot")]
+    pub(crate) window_size: (usize, usize),
+    /// Use the light theme on the screenshot
+    #[arg(long, requires = "screenshot")]
+    pub(crate) light_theme: bool,
+}
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Rendering ends at the first of --iterations, --time and --until-error that is met; 64 iterations \
+    if none is given. Ctrl-C ends it early: whole iterations so far are written, and the exit code is 1.\n\
+    With --resume all of them count what is in the file already, so the same command line finishes what was interrupted.\n\n\
+    Examples:\n  \
+    neumann render cornell -o c.exr -o c.png --iterations 256\n  \
+    neumann render room.gltf -o room.exr --integrator pt-nee --size 1280x720 --until-error 0.01\n  \
+    neumann render room.gltf -o room.exr --iterations 4096 --resume\n  \
+    neumann render room.gltf -o part2.exr --first-iteration 1024 --iterations 1024 --threads 8\n  \
+    neumann render cornell -o c.exr --eye 0,1,4 --target 0,1,0 --fov 35 --set roulette-depth=8 --json"
+)]
+pub(crate) struct RenderArguments {
+    /// A .gltf or .glb file, or the name of a built-in scene
+    pub(crate) scene: String,
+    /// File to write, .exr (all layers) or .png (L as shown); may be given several times
+    #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
+    pub(crate) outputs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) settings: SettingsOptions,
+    #[command(flatten)]
+    pub(crate) goal: GoalOptions,
+    #[command(flatten)]
+    pub(crate) display: DisplayOptions,
+    /// Go on from the .exr file if it is there and was rendered with the same settings
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Write half floats: smaller, but not to be resumed from
+    #[arg(long, conflicts_with = "resume")]
+    pub(crate) half: bool,
+    /// End with one JSON object on stdout
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `series`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Writes T0, T1, …, tail, upto0, upto1, … and L, each as PNG and EXR, and sheet.png. L.exr holds \
+    all layers: --resume goes on from it.\n\n\
+    Examples:\n  \
+    neumann series cornell -o out\n  \
+    neumann series room.gltf -o out --layers 4 --iterations 512 --exposure 1 --tone agx"
+)]
+pub(crate) struct SeriesArguments {
+    /// A .gltf or .glb file, or the name of a built-in scene
+    pub(crate) scene: String,
+    /// Folder to write to; made if it is not there
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+    #[command(flatten)]
+    pub(crate) settings: SettingsOptions,
+    #[command(flatten)]
+    pub(crate) goal: GoalOptions,
+    #[command(flatten)]
+    pub(crate) display: DisplayOptions,
+    /// Go on from DIR/L.exr if it is there and was rendered with the same settings
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// End with one JSON object on stdout
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "relMSE is mean((a-b)² / (b² + 0.01)) over pixels and channels, b the reference. FLIP compares \
+    what is shown after exposure and tone curve, at 67 pixels per degree.\n\n\
+    Examples:\n  \
+    neumann compare mine.exr reference.exr\n  \
+    neumann compare pt-nee.exr pt-mis.exr --layer T1 -o difference.png --json"
+)]
+pub(crate) struct CompareArguments {
+    /// The picture: .exr, .png or .hdr
+    pub(crate) image: PathBuf,
+    /// The reference: .exr, .png or .hdr
+    pub(crate) reference: PathBuf,
+    /// Compare a layer of both (T0, T1, …, tail, albedo, …) instead of L
+    #[arg(long, value_name = "LAYER")]
+    pub(crate) layer: Option<String>,
+    /// Picture of the difference: .png orange where brighter, blue where darker; .exr the signed difference
+    #[arg(short = 'o', long = "output", value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) display: DisplayOptions,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What can be listed.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub(crate) enum Listing {
+    /// The scenes that come with the program
+    Scenes,
+    /// The methods of rendering
+    Integrators,
+    /// The parameters of the methods, for --set
+    Parameters,
+}
+
+/// Arguments of `list`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  neumann list scenes\n  neumann list integrators --json")]
+pub(crate) struct ListArguments {
+    /// What to list
+    pub(crate) what: Listing,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `info`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  neumann info cornell\n  neumann info room.gltf --json")]
+pub(crate) struct InfoArguments {
+    /// A .gltf or .glb file, or the name of a built-in scene
+    pub(crate) scene: String,
+    #[command(flatten)]
+    pub(crate) load: LoadArguments,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `merge`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The renders must be of the same scene with the same settings and seed, and have no iteration in \
+    common.\n\n\
+    Examples:\n  \
+    neumann render cornell -o a.exr --iterations 64\n  \
+    neumann render cornell -o b.exr --iterations 64 --first-iteration 64\n  \
+    neumann merge a.exr b.exr -o both.exr"
+)]
+pub(crate) struct MergeArguments {
+    /// Films that 'neumann render' wrote
+    #[arg(required = true, num_args = 2.., value_name = "FILE.exr")]
+    pub(crate) inputs: Vec<PathBuf>,
+    /// File to write, .exr or .png; may be given several times
+    #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
+    pub(crate) outputs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) display: DisplayOptions,
+}
+
+/// Arguments of `completions`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    neumann completions bash > ~/.local/share/bash-completion/completions/neumann\n  \
+    neumann completions fish > ~/.config/fish/completions/neumann.fish")]
+pub(crate) struct CompletionsArguments {
+    /// The shell
+    pub(crate) shell: Shell,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{CommandFactory, Parser};
+
+    use super::{Cli, Command};
+
+    #[test]
+    fn the_description_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_subcommand_has_examples() {
+        for command in Cli::command().get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string);
+            let has_examples = help.is_some_and(|h| h.contains("Examples:"));
+            assert!(has_examples, "{}", command.get_name());
+        }
+    }
+
+    #[test]
+    fn options_read_as_the_design_writes_them() {
+        let line = "neumann render cornell -o a.exr -o a.png --integrator pt-nee --iterations 8 --first-iteration 4 \
+            --size 64x48 --camera 0 --eye -1,2,3.5 --target 0,0,0 --up 0,1,0 --fov 40 --aperture 0.1 --focus 3 \
+            --max-bounces 5 --layers 4 --seed 7 --threads 2 --set a=1 --set b=on --exposure -1.5 --tone agx --resume \
+            --allow-outside --env sky.hdr --env-intensity 2 --env-rotation -90 --json";
+        let cli = Cli::try_parse_from(line.split_whitespace()).unwrap();
+        let Some(Command::Render(render)) = cli.command else {
+            panic!("{cli:?}");
+        };
+        assert_eq!(render.outputs.len(), 2);
+        assert_eq!(render.settings.size, Some((64, 48)));
+        assert_eq!(
+            render.settings.camera.eye,
+            Some(glam::Vec3::new(-1.0, 2.0, 3.5))
+        );
+        assert_eq!(render.settings.set[1], ("b".to_owned(), "on".to_owned()));
+        assert!((render.display.exposure + 1.5).abs() < 1e-6);
+        let cli = Cli::try_parse_from(["neumann", "cornell"]).unwrap();
+        assert_eq!(cli.scene.as_deref(), Some("cornell"));
+        assert!(Cli::try_parse_from(["neumann"]).unwrap().command.is_none());
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        for line in [
+            "render cornell",
+            "render cornell -o a.exr --size 64",
+            "render cornell -o a.exr --size 0x4",
+            "render cornell -o a.exr --iterations 0",
+            "render cornell -o a.exr --time -3",
+            "render cornell -o a.exr --eye 1,2",
+            "render cornell -o a.exr --fov 190",
+            "render cornell -o a.exr --integrator magic",
+            "render cornell -o a.exr --tone loud",
+            "render cornell -o a.exr --set roulette",
+            "merge a.exr -o b.exr",
+            "list colours",
+            "view cornell --view T",
+        ] {
+            let words = std::iter::once("neumann").chain(line.split_whitespace());
+            assert!(Cli::try_parse_from(words).is_err(), "{line}");
+        }
+    }
+}

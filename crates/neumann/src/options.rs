@@ -1,0 +1,281 @@
+//! From what was typed to a scene and its settings.
+
+mod camera;
+mod parse;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use glam::Vec3;
+use neumann_core::film::DEFAULT_LAYERS;
+use neumann_core::integrator::{DEFAULT_METHOD, METHODS, ParameterValues, method};
+use neumann_core::render::{RenderSettings, WorkerPool};
+use neumann_core::scene::description::CameraDescription;
+use neumann_core::scene::load::{LoadOptions, load_environment};
+use neumann_core::scene::{self, Scene};
+use neumann_picture::tone::{Display, ToneCurve};
+
+use crate::console;
+use crate::failure::{OrBadInput, Outcome, bad_input};
+
+pub(crate) use parse::{positive, size};
+
+/// Highest power of T where nothing else is asked for.
+const DEFAULT_MAX_BOUNCES: u32 = 16;
+
+/// How a scene is loaded.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct LoadArguments {
+    /// Let relative URIs of the scene leave its folder
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
+}
+
+/// What determines the picture.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct SettingsOptions {
+    /// Method of rendering ('neumann list integrators')
+    #[arg(long, value_name = "ID", default_value = DEFAULT_METHOD, value_parser = integrators(), hide_possible_values = true)]
+    pub(crate) integrator: String,
+    /// Set a parameter of the method ('neumann list parameters'); may be given several times
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse::assignment)]
+    pub(crate) set: Vec<(String, String)>,
+    /// Size of the picture, pixels [default: the camera's shape, 512 on the longer edge]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<(usize, usize)>,
+    /// Highest power of T that is computed
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_BOUNCES, value_parser = clap::value_parser!(u32).range(0..=65_535))]
+    pub(crate) max_bounces: u32,
+    /// Bounce layers kept apart; everything beyond them goes to one more, the tail
+    #[arg(long, value_name = "K", default_value_t = DEFAULT_LAYERS as u32, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) layers: u32,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Threads that render [default: all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) threads: Option<u32>,
+    #[command(flatten)]
+    pub(crate) camera: CameraArguments,
+    #[command(flatten)]
+    pub(crate) environment: EnvironmentArguments,
+    #[command(flatten)]
+    pub(crate) load: LoadArguments,
+}
+
+/// Which camera, and what about it is different.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Camera")]
+pub(crate) struct CameraArguments {
+    /// Camera of the file, by name or number from 0
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub(crate) camera: Option<String>,
+    /// Where the camera stands, metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::vector, allow_hyphen_values = true)]
+    pub(crate) eye: Option<Vec3>,
+    /// What it looks at
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::vector, allow_hyphen_values = true)]
+    pub(crate) target: Option<Vec3>,
+    /// What is up for it
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::vector, allow_hyphen_values = true)]
+    pub(crate) up: Option<Vec3>,
+    /// Vertical angle of view, degrees
+    #[arg(long, value_name = "DEG", value_parser = parse::angle_of_view)]
+    pub(crate) fov: Option<f32>,
+    /// Diameter of the lens opening, metres; 0 for a pinhole
+    #[arg(long, value_name = "M", value_parser = parse::not_negative)]
+    pub(crate) aperture: Option<f32>,
+    /// Distance of what is sharp, metres [default: of what is in the middle of the picture]
+    #[arg(long, value_name = "M", value_parser = parse::positive_single)]
+    pub(crate) focus: Option<f32>,
+}
+
+/// An environment in place of the scene's.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Environment")]
+pub(crate) struct EnvironmentArguments {
+    /// Environment map in place of the scene's: lat-long, .hdr or .exr
+    #[arg(long, value_name = "FILE")]
+    pub(crate) env: Option<PathBuf>,
+    /// Factor on the environment
+    #[arg(long, value_name = "F", value_parser = parse::not_negative)]
+    pub(crate) env_intensity: Option<f32>,
+    /// Turn of the environment about the vertical, degrees
+    #[arg(long, value_name = "DEG", value_parser = parse::finite, allow_negative_numbers = true)]
+    pub(crate) env_rotation: Option<f32>,
+}
+
+/// How the picture is shown.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Display")]
+pub(crate) struct DisplayOptions {
+    /// Exposure, stops
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = parse::finite, allow_negative_numbers = true)]
+    pub(crate) exposure: f32,
+    /// Tone curve
+    #[arg(long, value_name = "CURVE", default_value = "none", value_parser = tone_curves())]
+    pub(crate) tone: ToneCurve,
+}
+
+/// When rendering is done.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "How long")]
+pub(crate) struct GoalOptions {
+    /// Number of iterations of the picture
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) iterations: Option<u32>,
+    /// Time of rendering
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    pub(crate) time: Option<f64>,
+    /// Estimated relative error of the picture, such as 0.01
+    #[arg(long, value_name = "RELATIVE", value_parser = positive)]
+    pub(crate) until_error: Option<f64>,
+    /// Number of the first iteration; renders with different ones can be merged
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) first_iteration: u32,
+}
+
+impl DisplayOptions {
+    pub(crate) fn display(&self) -> Display {
+        Display {
+            exposure_ev: self.exposure,
+            tone: self.tone,
+        }
+    }
+}
+
+/// Opens a scene by name or path with the environment asked for, and says what is odd about it.
+pub(crate) fn open_scene(
+    name: &str,
+    load: &LoadArguments,
+    environment: &EnvironmentArguments,
+) -> Outcome<Scene> {
+    let options = LoadOptions {
+        allow_outside: load.allow_outside,
+    };
+    let mut description = scene::open(name, &options).or_bad_input()?;
+    if let Some(path) = &environment.env {
+        description.environment = Some(load_environment(path).or_bad_input()?);
+    }
+    if environment.env_intensity.is_some() || environment.env_rotation.is_some() {
+        let Some(map) = &mut description.environment else {
+            return Err(bad_input(format!(
+                "{name}: has no environment to turn or brighten; give one with --env"
+            )));
+        };
+        if let Some(intensity) = environment.env_intensity {
+            map.intensity = intensity;
+        }
+        if let Some(degrees) = environment.env_rotation {
+            map.rotation = degrees.to_radians();
+        }
+    }
+    let scene = Scene::build(&description);
+    for warning in scene.warnings() {
+        console::note(&format!("warning: {warning}"));
+    }
+    Ok(scene)
+}
+
+impl SettingsOptions {
+    /// What holds where nothing is typed.
+    pub(crate) fn defaults() -> Self {
+        Self {
+            integrator: DEFAULT_METHOD.to_owned(),
+            set: Vec::new(),
+            size: None,
+            max_bounces: DEFAULT_MAX_BOUNCES,
+            layers: DEFAULT_LAYERS as u32,
+            seed: 0,
+            threads: None,
+            camera: CameraArguments::default(),
+            environment: EnvironmentArguments::default(),
+            load: LoadArguments::default(),
+        }
+    }
+
+    /// The scene and the settings, ready to render.
+    pub(crate) fn resolve(&self, name: &str) -> Outcome<(Arc<Scene>, RenderSettings)> {
+        let method = method(&self.integrator)
+            .ok_or_else(|| bad_input(format!("no integrator '{}'", self.integrator)))?;
+        let mut values = ParameterValues::defaults(method.parameters);
+        for (parameter, text) in &self.set {
+            values
+                .set(method.parameters, parameter, text)
+                .map_err(|e| bad_input(format!("--set {parameter}={text}: {} ({e})", method.id)))?;
+        }
+        let scene = open_scene(name, &self.load, &self.environment)?;
+        let camera = camera::resolve(&self.camera, &scene)?;
+        let (width, height) = self.size.unwrap_or_else(|| default_size(&camera));
+        let settings = RenderSettings {
+            method,
+            values,
+            camera,
+            width,
+            height,
+            max_bounces: self.max_bounces,
+            n_layers: self.layers as usize,
+            seed: self.seed,
+        };
+        Ok((Arc::new(scene), settings))
+    }
+
+    /// The threads that render.
+    pub(crate) fn pool(&self) -> Outcome<WorkerPool> {
+        let n_threads = self.threads.map(|n| n as usize);
+        WorkerPool::new(n_threads, || ())
+            .map_err(|e| anyhow::anyhow!("cannot start threads: {e}; try a smaller --threads"))
+    }
+}
+
+/// Longer edge of a picture where no size is asked for, pixels.
+const DEFAULT_EDGE: f32 = 512.0;
+
+fn default_size(camera: &CameraDescription) -> (usize, usize) {
+    let is_usable = |a: &f32| a.is_finite() && *a > 0.0;
+    let aspect = camera.aspect_ratio.filter(is_usable).unwrap_or(1.0);
+    let shorter = |ratio: f32| ((DEFAULT_EDGE * ratio).round() as usize).max(1);
+    if aspect >= 1.0 {
+        (DEFAULT_EDGE as usize, shorter(1.0 / aspect))
+    } else {
+        (shorter(aspect), DEFAULT_EDGE as usize)
+    }
+}
+
+fn integrators() -> impl TypedValueParser<Value = String> {
+    PossibleValuesParser::new(
+        METHODS
+            .iter()
+            .map(|m| PossibleValue::new(m.id).help(m.name)),
+    )
+}
+
+fn tone_curves() -> impl TypedValueParser<Value = ToneCurve> {
+    PossibleValuesParser::new(ToneCurve::ALL.map(ToneCurve::name))
+        .try_map(|name| name.parse::<ToneCurve>())
+}
+
+#[cfg(test)]
+mod tests {
+    use neumann_core::scene::description::{CameraDescription, Projection};
+
+    use super::default_size;
+
+    #[test]
+    fn the_longer_edge_is_512() {
+        let with_aspect = |aspect_ratio| CameraDescription {
+            name: String::new(),
+            world_from_camera: glam::Mat4::IDENTITY,
+            aspect_ratio,
+            projection: Projection::Perspective { yfov: 0.7 },
+            lens: None,
+        };
+        assert_eq!(default_size(&with_aspect(None)), (512, 512));
+        assert_eq!(default_size(&with_aspect(Some(2.0))), (512, 256));
+        assert_eq!(default_size(&with_aspect(Some(0.5))), (256, 512));
+        assert_eq!(default_size(&with_aspect(Some(1e9))), (512, 1));
+        assert_eq!(default_size(&with_aspect(Some(f32::NAN))), (512, 512));
+    }
+}

@@ -1,0 +1,110 @@
+//! Values of single options.
+
+use glam::Vec3;
+
+/// Pixels along an edge.
+const MAX_EDGE: usize = 65_535;
+/// Pixels of a picture.
+const MAX_PIXELS: usize = 1 << 30;
+
+/// `WxH`.
+pub(crate) fn size(text: &str) -> Result<(usize, usize), String> {
+    let parse = || {
+        let (width, height) = text.split_once(['x', 'X'])?;
+        Some((width.parse::<usize>().ok()?, height.parse::<usize>().ok()?))
+    };
+    let is_possible = |(width, height): &(usize, usize)| {
+        (1..=MAX_EDGE).contains(width)
+            && (1..=MAX_EDGE).contains(height)
+            && width * height <= MAX_PIXELS
+    };
+    parse()
+        .filter(is_possible)
+        .ok_or_else(|| format!("use WIDTHxHEIGHT such as 1280x720, each from 1 to {MAX_EDGE}"))
+}
+
+/// `X,Y,Z`.
+pub(super) fn vector(text: &str) -> Result<Vec3, String> {
+    let parts: Option<Vec<f32>> = text.split(',').map(|p| p.trim().parse().ok()).collect();
+    match parts.as_deref() {
+        Some(&[x, y, z]) if x.is_finite() && y.is_finite() && z.is_finite() => {
+            Ok(Vec3::new(x, y, z))
+        }
+        _ => Err("use three numbers such as 0,1.5,-4".to_owned()),
+    }
+}
+
+/// `NAME=VALUE`.
+pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("use NAME=VALUE; 'neumann list parameters' shows what there is".to_owned()),
+    }
+}
+
+/// A number above zero.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    number(text, "use a number above 0", |v| v > 0.0)
+}
+
+/// A number above zero, single precision.
+pub(super) fn positive_single(text: &str) -> Result<f32, String> {
+    number(text, "use a number above 0", |v| v > 0.0)
+}
+
+/// Zero or more.
+pub(super) fn not_negative(text: &str) -> Result<f32, String> {
+    number(text, "use a number from 0 on", |v| v >= 0.0)
+}
+
+/// Any finite number.
+pub(super) fn finite(text: &str) -> Result<f32, String> {
+    number(text, "use a number", |_| true)
+}
+
+/// Degrees between 0 and 180.
+pub(super) fn angle_of_view(text: &str) -> Result<f32, String> {
+    number(text, "use degrees between 0 and 180", |v| {
+        v > 0.0 && v < 180.0
+    })
+}
+
+fn number<T>(text: &str, remedy: &str, is_possible: impl Fn(T) -> bool) -> Result<T, String>
+where
+    T: std::str::FromStr + Copy + Into<f64>,
+{
+    text.parse::<T>()
+        .ok()
+        .filter(|v| (*v).into().is_finite() && is_possible(*v))
+        .ok_or_else(|| remedy.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::{angle_of_view, assignment, finite, positive, size, vector};
+
+    #[test]
+    fn values_read_as_written() {
+        assert_eq!(size("640x480"), Ok((640, 480)));
+        assert_eq!(vector("0,-1.5, 2e1"), Ok(Vec3::new(0.0, -1.5, 20.0)));
+        assert_eq!(assignment("a=b=c"), Ok(("a".to_owned(), "b=c".to_owned())));
+        assert_eq!(positive("0.25"), Ok(0.25));
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        for text in ["640", "0x4", "65536x1", "60000x60000", "-1x4", "ax4"] {
+            assert!(size(text).is_err(), "{text}");
+        }
+        for text in ["1,2", "1,2,3,4", "a,b,c", "nan,0,0", "inf,0,0"] {
+            assert!(vector(text).is_err(), "{text}");
+        }
+        assert!(positive("0").is_err() && positive("nan").is_err() && positive("inf").is_err());
+        assert!(angle_of_view("180").is_err() && finite("inf").is_err());
+        assert!(assignment("=3").is_err() && assignment("x").is_err());
+    }
+}

@@ -1,0 +1,131 @@
+//! The files that a command writes.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use neumann_core::film::{Features, Film};
+use neumann_picture::Image;
+use neumann_picture::exr_file::{Metadata, Precision, write_exr_as};
+use neumann_picture::files::check_destination;
+use neumann_picture::png_file::{Pixels8, write_png};
+use neumann_picture::tone::Display;
+
+use crate::failure::{OrBadInput, Outcome, bad_input};
+
+/// Kinds of file, by extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Exr,
+    Png,
+}
+
+/// The kind of file that a name asks for.
+pub(crate) fn kind(path: &Path) -> Outcome<Kind> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("exr") => Ok(Kind::Exr),
+        Some("png") => Ok(Kind::Png),
+        _ => Err(bad_input(format!(
+            "{}: not a kind of file that can be written; use .exr or .png",
+            path.display()
+        ))),
+    }
+}
+
+/// Finds out, before any work is done, whether all files could be written.
+pub(crate) fn check(paths: &[PathBuf]) -> Outcome {
+    for (i, path) in paths.iter().enumerate() {
+        kind(path)?;
+        check_destination(path).or_bad_input()?;
+        if paths[..i].contains(path) {
+            return Err(bad_input(format!(
+                "{}: is named twice; name each output once",
+                path.display()
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The file that a render can be resumed from.
+pub(crate) fn checkpoint(paths: &[PathBuf]) -> Outcome<&Path> {
+    paths
+        .iter()
+        .find(|path| matches!(kind(path), Ok(Kind::Exr)))
+        .map(PathBuf::as_path)
+        .ok_or_else(|| bad_input("--resume: needs an .exr output to go on from; add one with -o"))
+}
+
+/// A film on its way to files.
+pub(crate) struct Picture<'a> {
+    pub(crate) film: &'a Film,
+    pub(crate) features: Option<&'a Features>,
+    pub(crate) metadata: &'a Metadata,
+    pub(crate) display: Display,
+    pub(crate) precision: Precision,
+}
+
+impl Picture<'_> {
+    /// Writes one file: all layers as EXR, or L as shown as PNG.
+    pub(crate) fn write(&self, path: &Path) -> Outcome {
+        match kind(path)? {
+            Kind::Exr => write_exr_as(
+                path,
+                self.film,
+                self.features,
+                self.metadata,
+                self.precision,
+            )?,
+            Kind::Png => {
+                let image = Image {
+                    width: self.film.width(),
+                    height: self.film.height(),
+                    pixels: self.film.total().to_vec(),
+                    ..Image::default()
+                };
+                write_png(path, &Pixels8::of(&image, &self.display))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes all files; one that fails does not keep the others from being written.
+    pub(crate) fn write_all(&self, paths: &[PathBuf]) -> Outcome {
+        let failures: Vec<String> = paths
+            .iter()
+            .filter_map(|path| self.write(path).err())
+            .map(|e| format!("{e:#}"))
+            .collect();
+        if failures.is_empty() {
+            Ok(())
+        } else {
+            Err(anyhow!(failures.join("; ")))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::{Path, PathBuf};
+
+    use super::{Kind, check, checkpoint, kind};
+
+    #[test]
+    fn kinds_follow_from_names() {
+        assert_eq!(kind(Path::new("a/b.EXR")).unwrap(), Kind::Exr);
+        assert_eq!(kind(Path::new("b.png")).unwrap(), Kind::Png);
+        assert!(kind(Path::new("b.jpg")).is_err() && kind(Path::new("exr")).is_err());
+    }
+
+    #[test]
+    fn outputs_are_checked_together() {
+        let folder = std::env::temp_dir();
+        let paths = vec![folder.join("neumann-a.png"), folder.join("neumann-a.exr")];
+        check(&paths).unwrap();
+        assert_eq!(checkpoint(&paths).unwrap(), paths[1]);
+        assert!(checkpoint(&paths[..1]).is_err());
+        let twice = vec![paths[0].clone(), paths[0].clone()];
+        assert!(check(&twice).unwrap_err().to_string().contains("twice"));
+        assert!(check(&[PathBuf::from("/no/such/folder/a.png")]).is_err());
+    }
+}

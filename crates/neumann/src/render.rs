@@ -1,0 +1,116 @@
+//! `neumann render`: a scene to EXR and PNG files.
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use neumann_picture::exr_file::Precision;
+use serde_json::{Value, json};
+
+use crate::cli::RenderArguments;
+use crate::console;
+use crate::failure::Outcome;
+use crate::interrupt;
+use crate::outputs::{self, Picture};
+use crate::progress::duration;
+use crate::session::{Goal, Rendered, Session, peak_bytes};
+
+pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
+    outputs::check(&arguments.outputs)?;
+    let (scene, settings) = arguments.settings.resolve(&arguments.scene)?;
+    let session = Session {
+        scene,
+        settings,
+        pool: arguments.settings.pool()?,
+        goal: Goal::of(&arguments.goal),
+        first_iteration: arguments.goal.first_iteration,
+    };
+    session.check()?;
+    let before = if arguments.resume {
+        session.checkpoint(outputs::checkpoint(&arguments.outputs)?)?
+    } else {
+        None
+    };
+    let rendered = session.render(before, &interrupt::token());
+    refuse_empty(&rendered)?;
+    let picture = Picture {
+        film: &rendered.film,
+        features: Some(&rendered.features),
+        metadata: &rendered.metadata,
+        display: arguments.display.display(),
+        precision: if arguments.half {
+            Precision::Half
+        } else {
+            Precision::Full
+        },
+    };
+    picture.write_all(&arguments.outputs)?;
+    console::note(&summary(&rendered));
+    if arguments.json {
+        console::json(&report(&rendered, &arguments.outputs))?;
+    }
+    completeness(&rendered)
+}
+
+/// Nothing is written if not a single iteration was finished.
+pub(crate) fn refuse_empty(rendered: &Rendered) -> Outcome {
+    if rendered.film.n_iterations() == 0 {
+        return Err(anyhow!(
+            "interrupted before the first iteration was finished; nothing was written"
+        ));
+    }
+    Ok(())
+}
+
+/// An interrupted render is written but is not done.
+pub(crate) fn completeness(rendered: &Rendered) -> Outcome {
+    if rendered.is_complete {
+        return Ok(());
+    }
+    Err(anyhow!(
+        "interrupted after {} iterations; they were written, go on with --resume",
+        rendered.film.n_iterations()
+    ))
+}
+
+/// One line for people.
+pub(crate) fn summary(rendered: &Rendered) -> String {
+    let n = rendered.film.n_iterations();
+    let seconds = rendered.metadata.seconds;
+    let mut text = format!(
+        "{n} iteration{} in {}, {:.1} ms each",
+        if n == 1 { "" } else { "s" },
+        duration(seconds),
+        seconds * 1e3 / f64::from(n.max(1))
+    );
+    let error = rendered.film.estimated_error();
+    if error.is_finite() {
+        text += &format!(", estimated error {:.2} %", error * 100.0);
+    }
+    let n_refused = rendered.film.n_refused();
+    if n_refused > 0 {
+        text += &format!(", {n_refused} contributions refused");
+    }
+    text
+}
+
+/// The object that `--json` ends with; `null` for what is not known.
+pub(crate) fn report(rendered: &Rendered, outputs: &[PathBuf]) -> Value {
+    let film = &rendered.film;
+    let n = f64::from(film.n_iterations());
+    let seconds = rendered.metadata.seconds;
+    let n_samples = n * (film.width() * film.height()) as f64;
+    let outputs: Vec<_> = outputs.iter().map(|p| p.display().to_string()).collect();
+    json!({
+        "integrator": rendered.metadata.integrator,
+        "iterations": film.n_iterations(),
+        "first_iteration": rendered.metadata.iterations.first(),
+        "seconds": seconds,
+        "ms_per_iteration": seconds * 1e3 / n,
+        "samples_per_second": n_samples / seconds,
+        "rays_per_second": rendered.rays_per_second,
+        "refused": film.n_refused(),
+        "estimated_error": film.estimated_error(),
+        "peak_memory_bytes": peak_bytes(),
+        "outputs": outputs,
+    })
+}

@@ -1,0 +1,166 @@
+//! `neumann series`: every term and every partial sum, and all of them on one sheet.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use neumann_core::film::{Film, View};
+use neumann_core::radiometry::Rgb;
+use neumann_picture::Image;
+use neumann_picture::exr_file::{Precision, write_image_exr};
+use neumann_picture::files::check_destination;
+use neumann_picture::png_file::{Pixels8, write_png};
+use neumann_picture::sheet::{SheetInfo, sheet};
+use neumann_picture::tone::Display;
+
+use crate::cli::SeriesArguments;
+use crate::console;
+use crate::failure::{OrBadInput, Outcome, bad_input};
+use crate::interrupt;
+use crate::outputs::Picture;
+use crate::render::{completeness, refuse_empty, report, summary};
+use crate::session::{Goal, Rendered, Session};
+
+pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
+    make_folder(&arguments.folder)?;
+    let (scene, settings) = arguments.settings.resolve(&arguments.scene)?;
+    let session = Session {
+        scene,
+        settings,
+        pool: arguments.settings.pool()?,
+        goal: Goal::of(&arguments.goal),
+        first_iteration: arguments.goal.first_iteration,
+    };
+    session.check()?;
+    let before = if arguments.resume {
+        session.checkpoint(&arguments.folder.join(CHECKPOINT))?
+    } else {
+        None
+    };
+    let rendered = session.render(before, &interrupt::token());
+    refuse_empty(&rendered)?;
+    let outputs = write(&arguments.folder, &rendered, arguments.display.display())?;
+    console::note(&summary(&rendered));
+    if arguments.json {
+        let mut value = report(&rendered, &outputs);
+        value["energy_shares"] = rendered.film.energy_shares().into();
+        console::json(&value)?;
+    }
+    completeness(&rendered)
+}
+
+/// The file that holds all layers.
+const CHECKPOINT: &str = "L.exr";
+
+/// Makes the folder if it is not there, and finds out whether it can be written to.
+pub(crate) fn make_folder(folder: &Path) -> Outcome {
+    if let Err(error) = fs::create_dir_all(folder) {
+        return Err(bad_input(format!(
+            "{}: cannot make this folder: {error}; choose another one",
+            folder.display()
+        )));
+    }
+    check_destination(&folder.join(CHECKPOINT)).or_bad_input()
+}
+
+/// Writes all pictures of the series; yields what it wrote.
+pub(crate) fn write(folder: &Path, rendered: &Rendered, display: Display) -> Outcome<Vec<PathBuf>> {
+    let film = &rendered.film;
+    let checkpoint = folder.join(CHECKPOINT);
+    let picture = Picture {
+        film,
+        features: Some(&rendered.features),
+        metadata: &rendered.metadata,
+        display,
+        precision: Precision::Full,
+    };
+    picture.write(&checkpoint)?;
+    let mut outputs = vec![checkpoint];
+    for view in views(film, rendered.metadata.max_bounces) {
+        let name = view.to_string().replace(':', "");
+        let image = image_of(film, view);
+        let png = folder.join(format!("{name}.png"));
+        write_png(&png, &Pixels8::of(&image, &display))?;
+        outputs.push(png);
+        if view != View::Total {
+            let exr = folder.join(format!("{name}.exr"));
+            let notes = [
+                ("scene", rendered.metadata.scene.as_str()),
+                ("view", &view.to_string()),
+            ];
+            write_image_exr(&exr, (image.width, image.height), &image.pixels, &notes)?;
+            outputs.push(exr);
+        }
+    }
+    let path = folder.join("sheet.png");
+    write_png(&path, &sheet(film, &sheet_info(rendered, display)))?;
+    outputs.push(path);
+    Ok(outputs)
+}
+
+/// Terms, partial sums and L, as far as they were computed.
+fn views(film: &Film, max_bounces: u32) -> Vec<View> {
+    let n_terms = film.n_layers().min(max_bounces as usize + 1);
+    let has_tail = max_bounces as usize >= film.n_layers();
+    (0..n_terms)
+        .map(View::Term)
+        .chain(has_tail.then_some(View::Tail))
+        .chain((0..n_terms).map(View::Upto))
+        .chain([View::Total])
+        .collect()
+}
+
+fn image_of(film: &Film, view: View) -> Image {
+    let mut pixels = vec![Rgb::BLACK; film.width() * film.height()];
+    film.compose(view, &mut pixels);
+    Image {
+        width: film.width(),
+        height: film.height(),
+        pixels,
+        ..Image::default()
+    }
+}
+
+fn sheet_info(rendered: &Rendered, display: Display) -> SheetInfo {
+    let (film, metadata) = (&rendered.film, &rendered.metadata);
+    let sign = if display.exposure_ev < 0.0 {
+        "−"
+    } else {
+        "+"
+    };
+    SheetInfo {
+        title: metadata.scene.clone(),
+        subtitle: format!(
+            "{} · {}×{} · exposure {sign}{:.1} EV · tone {}",
+            metadata.summary(),
+            film.width(),
+            film.height(),
+            display.exposure_ev.abs(),
+            display.tone
+        ),
+        display,
+        max_bounces: metadata.max_bounces,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use neumann_core::film::{Film, View};
+
+    use super::views;
+
+    #[test]
+    fn views_are_those_that_were_computed() {
+        let film = Film::new(1, 1, 3);
+        let names = |max_bounces| {
+            let views = views(&film, max_bounces);
+            views
+                .iter()
+                .map(View::to_string)
+                .collect::<Vec<_>>()
+                .join(" ")
+        };
+        assert_eq!(names(16), "T0 T1 T2 tail upto:0 upto:1 upto:2 L");
+        assert_eq!(names(3), "T0 T1 T2 tail upto:0 upto:1 upto:2 L");
+        assert_eq!(names(1), "T0 T1 upto:0 upto:1 L");
+    }
+}

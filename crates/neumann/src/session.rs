@@ -1,0 +1,213 @@
+//! Renders until a goal is met, or Ctrl-C.
+
+mod memory;
+mod resume;
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use neumann_core::film::{Features, Film};
+use neumann_core::render::{CancelToken, RenderSettings, Renderer, WorkerPool};
+use neumann_core::scene::Scene;
+use neumann_picture::exr_file::{Checkpoint, IterationRanges, Metadata};
+
+use crate::failure::{Outcome, bad_input};
+use crate::options::GoalOptions;
+use crate::progress::{Progress, Standing};
+
+pub(crate) use memory::peak_bytes;
+
+/// When rendering is done: at the first of these that is met.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Goal {
+    /// Iterations of the film.
+    pub(crate) iterations: Option<u32>,
+    /// Time spent on the film, seconds.
+    pub(crate) seconds: Option<f64>,
+    /// Estimated relative error of the film.
+    pub(crate) error: Option<f64>,
+}
+
+/// Iterations where nothing is asked for.
+const DEFAULT_ITERATIONS: u32 = 64;
+/// Fewer iterations say too little about their error.
+const FEWEST_FOR_ERROR: u32 = 8;
+
+impl Goal {
+    pub(crate) fn of(options: &GoalOptions) -> Self {
+        let is_open =
+            options.iterations.is_none() && options.time.is_none() && options.until_error.is_none();
+        Self {
+            iterations: options.iterations.or(is_open.then_some(DEFAULT_ITERATIONS)),
+            seconds: options.time,
+            error: options.until_error,
+        }
+    }
+
+    fn is_met(&self, standing: Standing) -> bool {
+        self.iterations.is_some_and(|n| standing.n_iterations >= n)
+            || self.seconds.is_some_and(|s| standing.seconds >= s)
+            || self.error.is_some_and(|wanted| {
+                standing.n_iterations >= FEWEST_FOR_ERROR
+                    && standing.error.is_some_and(|error| error <= wanted)
+            })
+    }
+
+    /// Which part of the way is done, in [0, 1]; errors fall with the square root of iterations.
+    pub(crate) fn part_done(&self, standing: Standing) -> f64 {
+        let by_count = self
+            .iterations
+            .map(|n| f64::from(standing.n_iterations) / f64::from(n));
+        let by_time = self.seconds.map(|s| standing.seconds / s);
+        let by_error = self
+            .error
+            .zip(standing.error)
+            .map(|(wanted, error)| (wanted / error).powi(2));
+        [by_count, by_time, by_error]
+            .into_iter()
+            .flatten()
+            .filter(|part| part.is_finite())
+            .fold(0.0, f64::max)
+            .min(1.0)
+    }
+}
+
+/// Everything that is needed to begin.
+pub(crate) struct Session {
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) settings: RenderSettings,
+    pub(crate) pool: WorkerPool,
+    pub(crate) goal: Goal,
+    /// Number of the first iteration.
+    pub(crate) first_iteration: u32,
+}
+
+/// What came of it.
+pub(crate) struct Rendered {
+    pub(crate) film: Film,
+    pub(crate) features: Features,
+    pub(crate) metadata: Metadata,
+    /// Rays per second, of this run; `None` if it rendered nothing.
+    pub(crate) rays_per_second: Option<f64>,
+    /// False if it was interrupted before the goal was met.
+    pub(crate) is_complete: bool,
+}
+
+impl Session {
+    /// Checks that there is memory enough, and iteration numbers.
+    pub(crate) fn check(&self) -> Outcome {
+        memory::check(&self.settings)?;
+        let n = self.goal.iterations.unwrap_or(0);
+        if self.first_iteration.checked_add(n).is_none() {
+            return Err(bad_input(
+                "--first-iteration: too large for that many iterations; numbers go up to 4294967295",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Renders from the checkpoint, if there is one, until the goal is met or the token cancelled.
+    pub(crate) fn render(&self, before: Option<Checkpoint>, cancel: &CancelToken) -> Rendered {
+        let s = &self.settings;
+        let (mut film, mut metadata, mut next) = match before {
+            Some(checkpoint) => {
+                let next = checkpoint.metadata.iterations.end();
+                (checkpoint.film, checkpoint.metadata, next)
+            }
+            None => (
+                Film::new(s.width, s.height, s.n_layers),
+                Metadata::of(&self.scene, s),
+                self.first_iteration,
+            ),
+        };
+        let mut renderer =
+            Renderer::new(Arc::clone(&self.scene), s.clone(), self.pool.clone(), next);
+        let mut progress = Progress::new(self.goal);
+        let (mut n_rays, mut seconds_here) = (0u64, 0.0);
+        let is_complete = loop {
+            let standing = Standing {
+                n_iterations: film.n_iterations(),
+                seconds: metadata.seconds,
+                error: (self.goal.error.is_some() && film.n_iterations() > 1)
+                    .then(|| self.pool.run(|| film.estimated_error())),
+            };
+            progress.update(standing);
+            if self.goal.is_met(standing) {
+                break true;
+            }
+            let Some(after) = next.checked_add(1) else {
+                break true;
+            };
+            let start = Instant::now();
+            let Ok(frame) = renderer.iterate(cancel) else {
+                break false;
+            };
+            n_rays += frame.n_rays();
+            self.pool.run(|| film.add(frame));
+            let seconds = start.elapsed().as_secs_f64();
+            seconds_here += seconds;
+            metadata.seconds += seconds;
+            let done = IterationRanges::of(next..after);
+            metadata.iterations = metadata.iterations.union(&done);
+            next = after;
+        };
+        progress.finish();
+        metadata.n_refused = film.n_refused();
+        let features = self
+            .pool
+            .run(|| Features::trace(&self.scene, &s.camera, s.width, s.height));
+        Rendered {
+            film,
+            features,
+            metadata,
+            rays_per_second: (seconds_here > 0.0).then(|| n_rays as f64 / seconds_here),
+            is_complete,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Goal;
+    use crate::options::GoalOptions;
+    use crate::progress::Standing;
+
+    fn standing(n_iterations: u32, seconds: f64, error: Option<f64>) -> Standing {
+        Standing {
+            n_iterations,
+            seconds,
+            error,
+        }
+    }
+
+    #[test]
+    fn the_first_goal_that_is_met_counts() {
+        let open = Goal::of(&GoalOptions::default());
+        assert!(!open.is_met(standing(63, 1e9, None)) && open.is_met(standing(64, 0.0, None)));
+        let goal = Goal::of(&GoalOptions {
+            time: Some(2.0),
+            until_error: Some(0.01),
+            ..GoalOptions::default()
+        });
+        assert!(!goal.is_met(standing(1000, 1.9, Some(0.02))));
+        assert!(goal.is_met(standing(1, 2.0, None)));
+        assert!(goal.is_met(standing(100, 0.1, Some(0.009))));
+        assert!(
+            !goal.is_met(standing(2, 0.1, Some(0.009))),
+            "two say too little"
+        );
+    }
+
+    #[test]
+    fn parts_follow_the_nearest_goal() {
+        let goal = Goal {
+            iterations: Some(100),
+            seconds: Some(10.0),
+            error: Some(0.01),
+        };
+        assert!((goal.part_done(standing(50, 1.0, None)) - 0.5).abs() < 1e-9);
+        assert!((goal.part_done(standing(1, 9.0, Some(0.02))) - 0.9).abs() < 1e-9);
+        assert!((goal.part_done(standing(1, 0.0, Some(0.02))) - 0.25).abs() < 1e-9);
+        assert_eq!(goal.part_done(standing(500, 1.0, Some(f64::INFINITY))), 1.0);
+    }
+}

@@ -1,0 +1,70 @@
+//! Goes on from a file that an earlier run wrote.
+
+use std::path::Path;
+
+use neumann_picture::exr_file::{Checkpoint, Metadata, read_exr};
+
+use super::Session;
+use crate::console;
+use crate::failure::{OrBadInput, Outcome, bad_input};
+
+impl Session {
+    /// What the file holds, if it is there and belongs to this render.
+    pub(crate) fn checkpoint(&self, path: &Path) -> Outcome<Option<Checkpoint>> {
+        if !path.exists() {
+            return Ok(None);
+        }
+        let checkpoint = read_exr(path).or_bad_input()?;
+        let ours = Metadata::of(&self.scene, &self.settings);
+        let mut differences: Vec<String> = ours
+            .differences(&checkpoint.metadata)
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        let mut add = |field: &str, here: String, there: String| {
+            if here != there {
+                differences.push(format!("{field} ({here} and {there})"));
+            }
+        };
+        let (s, film) = (&self.settings, &checkpoint.film);
+        add(
+            "size",
+            format!("{}x{}", s.width, s.height),
+            format!("{}x{}", film.width(), film.height()),
+        );
+        add(
+            "layers",
+            s.n_layers.to_string(),
+            film.n_layers().to_string(),
+        );
+        let iterations = &checkpoint.metadata.iterations;
+        if iterations.count() > 0 {
+            add(
+                "first-iteration",
+                self.first_iteration.to_string(),
+                iterations.first().to_string(),
+            );
+        }
+        if !differences.is_empty() {
+            return Err(bad_input(format!(
+                "{}: cannot be resumed, it differs in {}; use the same options, or render to another file",
+                path.display(),
+                differences.join(", ")
+            )));
+        }
+        if checkpoint.metadata.program_version != ours.program_version {
+            console::note(&format!(
+                "warning: {} was rendered by version {}; its iterations may differ from those of {}",
+                path.display(),
+                checkpoint.metadata.program_version,
+                ours.program_version
+            ));
+        }
+        console::note(&format!(
+            "going on from {} with {} iterations",
+            path.display(),
+            checkpoint.film.n_iterations()
+        ));
+        Ok(Some(checkpoint))
+    }
+}

@@ -1,0 +1,56 @@
+//! `neumann` alone: the window, or what can be done without one.
+
+use std::path::Path;
+
+use neumann_picture::tone::Display;
+
+use crate::console;
+use crate::failure::Outcome;
+use crate::interrupt;
+use crate::options::{GoalOptions, SettingsOptions};
+use crate::render::{completeness, refuse_empty, summary};
+use crate::series;
+use crate::session::{Goal, Session};
+use crate::view::{self, NoWindow};
+
+/// The scene where none is named.
+const DEFAULT_SCENE: &str = "cornell";
+/// Where pictures go if there is no window.
+const FOLDER: &str = "neumann-out";
+
+pub(crate) fn run(scene: Option<&str>) -> Outcome {
+    let scene = scene.unwrap_or(DEFAULT_SCENE);
+    view::check_scene(scene)?;
+    match view::open(scene) {
+        Ok(()) => Ok(()),
+        Err(NoWindow::Impossible(reason)) => {
+            console::note(&format!("{reason}; rendering to ./{FOLDER} instead"));
+            render(scene)
+        }
+        Err(NoWindow::Failed(error)) => Err(error),
+    }
+}
+
+fn render(scene: &str) -> Outcome {
+    let folder = Path::new(FOLDER);
+    series::make_folder(folder)?;
+    let options = SettingsOptions::defaults();
+    let (scene, settings) = options.resolve(scene)?;
+    let session = Session {
+        scene,
+        settings,
+        pool: options.pool()?,
+        goal: Goal::of(&GoalOptions::default()),
+        first_iteration: 0,
+    };
+    session.check()?;
+    let rendered = session.render(None, &interrupt::token());
+    refuse_empty(&rendered)?;
+    let outputs = series::write(folder, &rendered, Display::default())?;
+    console::note(&summary(&rendered));
+    console::note(&format!(
+        "wrote {} files to ./{FOLDER}; ./{FOLDER}/sheet.png shows the whole series",
+        outputs.len()
+    ));
+    completeness(&rendered)
+}

@@ -1,0 +1,100 @@
+//! From the command line to the window.
+
+use neumann_core::render::StopRule;
+use neumann_viewer::{CameraOptions, EnvironmentOptions, Screenshot, ViewError, ViewOptions};
+
+use super::{NoWindow, check_scene};
+use crate::cli::ViewArguments;
+use crate::failure::{Outcome, bad_input};
+use crate::outputs;
+
+/// Opens the window with a scene.
+pub(crate) fn open(scene: &str) -> Result<(), NoWindow> {
+    let options = ViewOptions {
+        scene: scene.to_owned(),
+        ..ViewOptions::default()
+    };
+    neumann_viewer::run(options).map_err(|error| match error {
+        ViewError::NoDisplay(what) => NoWindow::Impossible(format!(
+            "no display to open a window on ({}); set DISPLAY or WAYLAND_DISPLAY",
+            one_line(&what)
+        )),
+        ViewError::NoAdapter(what) => NoWindow::Impossible(format!(
+            "no graphics adapter ({}); install a Vulkan driver (on Debian: apt install mesa-vulkan-drivers)",
+            one_line(&what)
+        )),
+        error @ ViewError::Other(_) => NoWindow::Failed(error.into()),
+    })
+}
+
+pub(crate) fn run(arguments: &ViewArguments) -> Outcome {
+    check_scene(&arguments.scene)?;
+    if let Some(path) = &arguments.screenshot {
+        if outputs::kind(path)? != outputs::Kind::Png {
+            return Err(bad_input("--screenshot: use a name that ends in .png"));
+        }
+        outputs::check(std::slice::from_ref(path))?;
+    }
+    Ok(neumann_viewer::run(options(arguments)?)?)
+}
+
+fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
+    let (settings, camera) = (&arguments.settings, &arguments.settings.camera);
+    let environment = &settings.environment;
+    let stop = match (arguments.iterations, arguments.time) {
+        (Some(n), None) => StopRule::Iterations(n),
+        (None, Some(seconds)) => StopRule::Seconds(seconds),
+        (None, None) => StopRule::Never,
+        (Some(_), Some(_)) => {
+            return Err(bad_input(
+                "--iterations and --time: the window stops by one of them",
+            ));
+        }
+    };
+    let screenshot = match &arguments.screenshot {
+        None => None,
+        Some(path) => Some(Screenshot {
+            path: path.clone(),
+            after_iterations: arguments.after,
+            size: (
+                u32::try_from(arguments.window_size.0)?,
+                u32::try_from(arguments.window_size.1)?,
+            ),
+            light_theme: arguments.light_theme,
+        }),
+    };
+    Ok(ViewOptions {
+        scene: arguments.scene.clone(),
+        integrator: Some(settings.integrator.clone()),
+        set: settings.set.clone(),
+        camera: CameraOptions {
+            camera: camera.camera.clone(),
+            eye: camera.eye,
+            target: camera.target,
+            up: camera.up,
+            fov: camera.fov,
+            aperture: camera.aperture,
+            focus: camera.focus,
+        },
+        environment: EnvironmentOptions {
+            file: environment.env.clone(),
+            intensity: environment.env_intensity,
+            rotation: environment.env_rotation,
+        },
+        max_bounces: Some(settings.max_bounces),
+        layers: Some(settings.layers as usize),
+        seed: Some(settings.seed),
+        size: settings.size,
+        stop,
+        view: arguments.view,
+        exposure_ev: arguments.display.exposure,
+        tone: arguments.display.tone,
+        threads: settings.threads.map(|n| n as usize),
+        screenshot,
+        allow_outside: settings.load.allow_outside,
+    })
+}
+
+fn one_line(text: &str) -> String {
+    text.lines().map(str::trim).collect::<Vec<_>>().join(" ")
+}

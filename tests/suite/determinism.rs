@@ -1,0 +1,311 @@
+//! The same bits, whatever the threads, the interruptions and the parts?
+//!
+//! For every row of `METHODS`. Latencies are counted in paths, never timed.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::sync::{Arc, LazyLock};
+use std::time::Duration;
+
+use neumann_core::film::Film;
+use neumann_core::integrator::{Integrator, METHODS, Method, ParameterValues, Sight};
+use neumann_core::render::{CancelToken, Cancelled, Job, Pass, RenderLoop, Renderer, StopRule};
+use neumann_core::scene::Scene;
+use neumann_tests::renders::{Setup, pool, pool_of};
+use neumann_tests::scenes::builtin;
+
+fn assert_same_bits(a: &Film, b: &Film, what: &str) {
+    assert_eq!(a.n_iterations(), b.n_iterations(), "{what}");
+    assert_eq!(a.layers(), b.layers(), "{what}: layers differ");
+    assert_eq!(a.total(), b.total(), "{what}: totals differ");
+    for pixel in 0..a.total().len() {
+        assert_eq!(
+            a.variance_of_mean(pixel),
+            b.variance_of_mean(pixel),
+            "{what}"
+        );
+    }
+}
+
+#[test]
+fn threads_do_not_matter() {
+    for name in ["cornell-glass", "many", "sky"] {
+        let scene = builtin(name);
+        for &method in METHODS {
+            // More than one tile, and tiles that are cut off.
+            let setup = Setup::new(&scene, 41, 35).by(method).seeded(7);
+            let one = setup.film_on(pool_of(1), 0, 3);
+            for n_threads in [2, 7] {
+                let other = setup.film_on(pool_of(n_threads), 0, 3);
+                let what = format!("{name}, {}, {n_threads} threads", method.id);
+                assert_same_bits(&one, &other, &what);
+            }
+        }
+    }
+}
+
+#[test]
+fn seeds_and_iterations_matter() {
+    let scene = builtin("cornell");
+    for &method in METHODS {
+        let setup = Setup::new(&scene, 16, 16).by(method);
+        let film = setup.film(0, 1);
+        assert_ne!(film.total(), setup.film(1, 1).total(), "{}", method.id);
+        let other = setup.clone().seeded(1).film(0, 1);
+        assert_ne!(film.total(), other.total(), "{}", method.id);
+    }
+}
+
+#[test]
+fn a_cancelled_iteration_leaves_no_trace() {
+    let scene = builtin("cornell-glass");
+    for &method in METHODS {
+        let setup = Setup::new(&scene, 33, 20).by(method);
+        let whole = setup.film(0, 4);
+        let mut film = Film::new(33, 20, setup.settings.n_layers);
+        let mut renderer = Renderer::new(Arc::clone(&scene), setup.settings.clone(), pool(), 0);
+        for _ in 0..4 {
+            let cancelled = CancelToken::default();
+            cancelled.cancel();
+            assert_eq!(renderer.iterate(&cancelled).err(), Some(Cancelled));
+            film.add(renderer.iterate(&CancelToken::default()).unwrap());
+        }
+        assert_same_bits(&whole, &film, method.id);
+    }
+}
+
+/// Paths begun by [`Stumbling`], and the token that it cancels on its way.
+static N_BEGUN: AtomicUsize = AtomicUsize::new(0);
+static TRIPWIRE: LazyLock<CancelToken> = LazyLock::new(CancelToken::default);
+const TRIP_AT: usize = 1000;
+
+/// A method that is cancelled in the middle of an iteration, as from another thread.
+struct Stumbling;
+
+impl Integrator for Stumbling {
+    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
+        pass.trace_pixels(scene, |_, _, _, _| {
+            if N_BEGUN.fetch_add(1, Ordering::Relaxed) == TRIP_AT {
+                TRIPWIRE.cancel();
+            }
+        })
+    }
+}
+
+static STUMBLING: Method = Method {
+    id: "stumbling",
+    title: "",
+    name: "",
+    about: "",
+    blind_spots: "",
+    sight: Sight::FULL,
+    bias: None,
+    parameters: &[],
+    build: |_: &ParameterValues| Box::new(Stumbling),
+};
+
+/// Each worker finishes at most the row of the tile that it is in.
+#[test]
+fn cancelling_is_heeded_within_a_row() {
+    let setup = Setup::new(&builtin("cornell"), 640, 480).by(&STUMBLING);
+    let n_threads = 3;
+    let mut renderer = Renderer::new(setup.scene, setup.settings, pool_of(n_threads), 0);
+    assert_eq!(renderer.iterate(&TRIPWIRE).err(), Some(Cancelled));
+    let n_late = N_BEGUN.load(Ordering::Relaxed) - TRIP_AT;
+    assert!(
+        n_late <= 16 * n_threads,
+        "{n_late} paths after the cancellation"
+    );
+}
+
+#[test]
+fn a_run_is_the_sum_of_its_parts() {
+    let scene = builtin("cornell-glass");
+    for &method in METHODS {
+        let setup = Setup::new(&scene, 24, 24).by(method).seeded(3);
+        let whole = setup.film(0, 64);
+        // Two ranges rendered apart and merged, in either order.
+        for first_is_early in [true, false] {
+            let (early, late) = (setup.film(0, 32), setup.film(32, 32));
+            let (mut film, rest) = if first_is_early {
+                (early, late)
+            } else {
+                (late, early)
+            };
+            film.merge(&rest).unwrap();
+            assert_close(&whole, &film, method.id);
+        }
+        // The first part goes on where it stopped, from what a file would hold of it.
+        let part = setup.film(0, 20);
+        let variance: Vec<_> = (0..24 * 24).map(|i| part.variance_of_mean(i)).collect();
+        let mut film = Film::from_parts(
+            (24, 24),
+            part.n_iterations(),
+            part.layers().to_vec(),
+            part.total().to_vec(),
+            &variance,
+            part.n_refused(),
+        )
+        .unwrap();
+        let settings = setup.settings.clone();
+        let mut renderer = Renderer::new(Arc::clone(&scene), settings, pool(), 20);
+        for _ in 20..64 {
+            film.add(renderer.iterate(&CancelToken::default()).unwrap());
+        }
+        assert_eq!(whole.layers(), film.layers(), "{}: resumed", method.id);
+        assert_close(&whole, &film, method.id);
+    }
+}
+
+/// Equal to 1e-6 of the brightest channel of the pixel and of the image's mean.
+fn assert_close(a: &Film, b: &Film, what: &str) {
+    assert_eq!(a.n_iterations(), b.n_iterations(), "{what}");
+    let planes = a
+        .layers()
+        .iter()
+        .chain([&a.total().to_vec()])
+        .cloned()
+        .collect::<Vec<_>>();
+    let others = b
+        .layers()
+        .iter()
+        .chain([&b.total().to_vec()])
+        .cloned()
+        .collect::<Vec<_>>();
+    for (plane, other) in planes.iter().zip(&others) {
+        let mean = plane.iter().map(|c| c.mean()).sum::<f32>() / plane.len() as f32;
+        for (x, y) in plane.iter().zip(other) {
+            let apart = (*x - *y).map(f32::abs).max_channel();
+            assert!(
+                apart <= 1e-6 * x.max_channel().max(mean),
+                "{what}: {x:?} and {y:?}"
+            );
+        }
+    }
+    for pixel in 0..a.total().len() {
+        let (x, y) = (a.variance_of_mean(pixel), b.variance_of_mean(pixel));
+        let apart = (x - y).map(f32::abs).max_channel();
+        assert!(
+            apart <= 1e-3 * x.max_channel() + 1e-12,
+            "{what}: variance {x:?} {y:?}"
+        );
+    }
+}
+
+/// A loop and a channel that rings after every change of the picture.
+fn watched_loop() -> (RenderLoop, mpsc::Receiver<()>) {
+    let (sender, receiver) = mpsc::channel();
+    let render_loop = RenderLoop::new(pool_of(2), move || {
+        // Whoever listened may be gone already.
+        let _ = sender.send(());
+    })
+    .unwrap();
+    (render_loop, receiver)
+}
+
+/// Waits until the picture is as asked for; a minute is for ever.
+fn wait_for(
+    render_loop: &RenderLoop,
+    bell: &mpsc::Receiver<()>,
+    mut is_there: impl FnMut(&neumann_core::render::Published) -> bool,
+) {
+    while !is_there(&render_loop.published()) {
+        bell.recv_timeout(Duration::from_secs(60))
+            .expect("the loop published nothing for a minute");
+    }
+}
+
+#[test]
+fn the_loop_ends_at_full_resolution_with_the_same_bits() {
+    let scene = builtin("cornell");
+    let (render_loop, bell) = watched_loop();
+    for &method in METHODS {
+        // Large enough that the ladder has a rung below the top.
+        let setup = Setup::new(&scene, 300, 200).by(method).up_to(3);
+        let generation = render_loop.start(Job {
+            scene: Arc::clone(&scene),
+            settings: setup.settings.clone(),
+            stop: StopRule::Iterations(2),
+        });
+        let mut divisors = Vec::new();
+        wait_for(&render_loop, &bell, |p| {
+            if p.generation != generation {
+                return false;
+            }
+            if divisors.last() != Some(&p.divisor) {
+                divisors.push(p.divisor);
+                let size = (p.film.width(), p.film.height());
+                assert_eq!(
+                    size,
+                    (300usize.div_ceil(p.divisor), 200usize.div_ceil(p.divisor))
+                );
+            }
+            p.stats.is_done
+        });
+        assert!(
+            divisors.is_sorted_by(|a, b| a > b),
+            "{}: {divisors:?}",
+            method.id
+        );
+        let published = render_loop.published();
+        assert_eq!(published.divisor, 1);
+        assert_eq!(published.stats.n_iterations, 2);
+        assert_eq!(published.thumbnails.len(), setup.settings.n_layers + 1);
+        assert_same_bits(&published.film, &setup.film(0, 2), method.id);
+    }
+}
+
+#[test]
+fn jobs_start_pause_and_stop() {
+    let scene = builtin("cornell");
+    let (render_loop, bell) = watched_loop();
+    let setup = Setup::new(&scene, 64, 64);
+    let job = |seed, stop| Job {
+        scene: Arc::clone(&scene),
+        settings: setup.clone().seeded(seed).settings,
+        stop,
+    };
+    // Without end, until another job takes over, again and again.
+    for seed in 0..5 {
+        let generation = render_loop.start(job(seed, StopRule::Never));
+        wait_for(&render_loop, &bell, |p| {
+            p.generation == generation && p.divisor == 1
+        });
+        assert!(!render_loop.published().stats.is_done);
+    }
+    // While paused nothing changes but what was being published already.
+    render_loop.pause(true);
+    assert!(render_loop.is_paused());
+    while bell.recv_timeout(Duration::from_millis(200)).is_ok() {}
+    let version = render_loop.version();
+    assert!(bell.recv_timeout(Duration::from_millis(100)).is_err());
+    assert_eq!(render_loop.version(), version);
+    // Going on keeps what was there.
+    let before = render_loop.published().stats.n_iterations;
+    render_loop.pause(false);
+    wait_for(&render_loop, &bell, |p| p.stats.n_iterations > before);
+    // A stop rule for the job under way; then more of the same, with the same bits as ever.
+    render_loop.stop_after(StopRule::Iterations(before + 20));
+    wait_for(&render_loop, &bell, |p| p.stats.is_done);
+    let n = render_loop.published().stats.n_iterations;
+    assert!(n >= before + 20);
+    render_loop.stop_after(StopRule::Iterations(n + 3));
+    wait_for(&render_loop, &bell, |p| {
+        p.stats.is_done && p.stats.n_iterations == n + 3
+    });
+    let expected = setup.clone().seeded(4).film(0, n + 3);
+    assert_same_bits(
+        &render_loop.published().film,
+        &expected,
+        "paused and resumed",
+    );
+    // By time: done at some point.
+    let generation = render_loop.start(job(9, StopRule::Seconds(0.05)));
+    wait_for(&render_loop, &bell, |p| {
+        p.generation == generation && p.stats.is_done
+    });
+    assert!(render_loop.published().stats.seconds >= 0.05);
+    // Dropped at work: no hang.
+    render_loop.start(job(10, StopRule::Never));
+    drop(render_loop);
+}

@@ -1,0 +1,437 @@
+//! Do lights start rays and get aimed at with the densities they state?
+//!
+//! Where positions are drawn, they are counted in cells by chi-square. Measures are checked by
+//! what their inverse integrates to: the mean of `1 / pdf_w` is the solid angle that was drawn
+//! from, and the mean of `value · cos / pdf` of started rays is the light's power.
+
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::{Mat3, Vec2, Vec3};
+use neumann_core::endpoint::Lights;
+use neumann_core::endpoint::light::{
+    AreaLight, Bounds, DirectionalLight, Emission, EnvironmentLight, Light, LightSample,
+    PointLight, SpotLight, TexturedEmission,
+};
+use neumann_core::material::{ColorSpace, Texture};
+use neumann_core::radiometry::Rgb;
+use neumann_core::scene::description::{
+    EnvironmentDescription, Filter, ImageDescription, TextureDescription, Wrap,
+};
+use neumann_tests::cells::SphereCells;
+use neumann_tests::random::Random;
+use neumann_tests::statistics::{Estimate, Family, chi_square};
+
+const N_SAMPLES: usize = 60_000;
+
+const BOUNDS: Bounds = Bounds {
+    center: Vec3::new(0.2, -0.1, 0.3),
+    radius: 2.5,
+};
+
+const CORNERS: [Vec3; 3] = [
+    Vec3::new(-0.4, 0.0, 0.2),
+    Vec3::new(0.7, 0.2, -0.1),
+    Vec3::new(0.1, -0.3, 0.9),
+];
+
+fn light_sample(random: &mut Random) -> LightSample {
+    let mut sampler = random.sampler();
+    LightSample {
+        choice: sampler.next_2d(),
+        point: sampler.next_2d(),
+        direction: sampler.next_2d(),
+    }
+}
+
+fn textured() -> Emission {
+    let texels = (0..64u32)
+        .map(|i| [20 + (i * 37 % 230) as u8, 30 + (i * i % 220) as u8, 40, 255])
+        .collect();
+    let image = Arc::new(ImageDescription {
+        name: String::new(),
+        width: 8,
+        height: 8,
+        texels,
+    });
+    let description = TextureDescription {
+        image: 0,
+        uv_set: 0,
+        image_from_mesh_uv: Mat3::IDENTITY,
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Repeat,
+        filter: Filter::Linear,
+    };
+    let texture = Texture::new(&description, &[image], ColorSpace::Linear).unwrap();
+    let uvs = [Vec2::ZERO, Vec2::X, Vec2::Y];
+    Emission::Textured(Arc::new(
+        TexturedEmission::new(Rgb::new(3.0, 2.0, 1.0), &texture, uvs).unwrap(),
+    ))
+}
+
+fn area_light(emission: Emission, is_double_sided: bool) -> AreaLight {
+    AreaLight::new(0, CORNERS, emission, is_double_sided, 1e-6)
+}
+
+/// A map with bright and dark texels side by side, turned by a whole number of columns.
+fn environment() -> Arc<EnvironmentDescription> {
+    let texels = (0..128)
+        .map(|i| {
+            Rgb::splat(if i % 11 == 3 {
+                50.0
+            } else {
+                0.02 + 0.01 * (i % 7) as f32
+            })
+        })
+        .collect();
+    Arc::new(EnvironmentDescription {
+        name: String::new(),
+        width: 16,
+        height: 8,
+        texels,
+        intensity: 2.0,
+        rotation: 3.0 * TAU / 16.0,
+    })
+}
+
+fn only(light: Light) -> Lights {
+    Lights::new(vec![light], 1, BOUNDS)
+}
+
+fn all_lights() -> Vec<(&'static str, Light)> {
+    let uniform = || Emission::Uniform(Rgb::new(4.0, 2.0, 1.0));
+    let position = Vec3::new(0.1, 0.8, -0.3);
+    let axis = Vec3::new(0.3, -0.9, 0.2).normalize();
+    vec![
+        ("area", Light::Area(area_light(uniform(), false))),
+        ("area, both sides", Light::Area(area_light(uniform(), true))),
+        ("textured area", Light::Area(area_light(textured(), false))),
+        (
+            "point",
+            Light::Point(PointLight {
+                position,
+                intensity: Rgb::splat(3.0),
+            }),
+        ),
+        (
+            "spot",
+            Light::Spot(SpotLight {
+                position,
+                axis,
+                intensity: Rgb::splat(3.0),
+                cos_inner: 0.9,
+                cos_outer: 0.5,
+            }),
+        ),
+        (
+            "directional",
+            Light::Directional(DirectionalLight {
+                direction: axis,
+                irradiance: Rgb::splat(2.0),
+            }),
+        ),
+        (
+            "environment",
+            Light::Environment(EnvironmentLight::new(&environment(), 1.0).unwrap()),
+        ),
+    ]
+}
+
+/// Barycentric coordinates of a point of the triangle light.
+fn barycentrics(p: Vec3) -> [f32; 2] {
+    let (e1, e2) = (CORNERS[1] - CORNERS[0], CORNERS[2] - CORNERS[0]);
+    let n = e1.cross(e2);
+    let q = p - CORNERS[0];
+    [
+        q.cross(e2).dot(n) / n.length_squared(),
+        e1.cross(q).dot(n) / n.length_squared(),
+    ]
+}
+
+/// Solid angle of the triangle light (van Oosterom and Strackee 1983).
+fn solid_angle(x: Vec3) -> f32 {
+    let [a, b, c] = CORNERS.map(|v| (v - x).normalize());
+    let numerator = a.dot(b.cross(c)).abs();
+    2.0 * numerator.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+}
+
+/// Cells of the triangle light, each a triangle: `n²` of them among `2 n²` numbers.
+fn triangle_cell(b: [f32; 2], n: usize) -> usize {
+    let [x, y] = b.map(|v| (v * n as f32).clamp(0.0, n as f32 - 1e-3));
+    let is_turned = x.fract() + y.fract() > 1.0;
+    2 * (y as usize * n + x as usize) + usize::from(is_turned)
+}
+
+#[test]
+fn positions_on_area_lights() {
+    let mut family = Family::default();
+    let mut random = Random::new(20);
+    let n = 12;
+    let above = Vec3::new(0.2, 1.5, 0.4);
+    let below = Vec3::new(0.2, -1.5, 0.4);
+    for (name, light) in all_lights() {
+        let Light::Area(area) = &light else { continue };
+        let lights = only(light.clone());
+        // The density is constant over cells of the light's own, so cells of ours are averaged.
+        let mut expected = vec![0.0; 2 * n * n];
+        let fine = 240;
+        for row in 0..fine {
+            for column in 0..fine - row {
+                let at = |d: f32| {
+                    [
+                        (column as f32 + d) / fine as f32,
+                        (row as f32 + d) / fine as f32,
+                    ]
+                };
+                for d in [1.0 / 3.0, 2.0 / 3.0] {
+                    let b = at(d);
+                    if b[0] + b[1] < 1.0 {
+                        let mass = area.pdf_a(b) * area.area() / (fine * fine) as f32;
+                        expected[triangle_cell(b, n)] += f64::from(mass) * N_SAMPLES as f64;
+                    }
+                }
+            }
+        }
+        let total: f64 = expected.iter().sum();
+        assert!(
+            (total / N_SAMPLES as f64 - 1.0).abs() < 1e-3,
+            "{name}: pdf_a integrates to {}",
+            total / N_SAMPLES as f64
+        );
+        let mut started = vec![0.0; 2 * n * n];
+        let mut aimed = vec![0.0; 2 * n * n];
+        let mut inverse = Vec::new();
+        let x = if lights.aim(above, &light_sample(&mut random)).is_some() {
+            above
+        } else {
+            below
+        };
+        for _ in 0..N_SAMPLES {
+            let u = light_sample(&mut random);
+            let start = lights.start(&u).unwrap();
+            let b = barycentrics(start.position);
+            started[triangle_cell(b, n)] += 1.0;
+            let stated = start.densities.pdf_a;
+            assert!(
+                (area.pdf_a(b) / stated - 1.0).abs() < 1e-3,
+                "{name} at {b:?}"
+            );
+            let aim = lights.aim(x, &u).unwrap();
+            let point = aim.surface.unwrap();
+            aimed[triangle_cell(barycentrics(point.position), n)] += 1.0;
+            inverse.push(1.0 / f64::from(aim.pdf_w));
+            let cos = point.ng.dot(aim.wi).abs();
+            let d = point.position - x;
+            assert!((d.length() / aim.distance - 1.0).abs() < 1e-5);
+            assert!((d.normalize() - aim.wi).length() < 1e-5);
+            let pdf_w = aim.start.pdf_a * d.length_squared() / cos;
+            assert!(
+                (pdf_w / aim.pdf_w - 1.0).abs() < 1e-4,
+                "{name}: pdf_w {}",
+                aim.pdf_w
+            );
+            assert!((aim.start.pdf_w - area.pdf_w_start(-aim.wi)).abs() < 1e-6);
+        }
+        for (what, counts) in [("started", started), ("aimed at", aimed)] {
+            let result = chi_square(&counts, &expected);
+            family.add(result.p_value, format!("{name}, {what}: {result:?}"));
+        }
+        let estimate = Estimate::of(&inverse);
+        let exact = f64::from(solid_angle(x));
+        family.add(
+            estimate.p_value(exact, 1e-5),
+            format!("{name}: mean of 1/pdf_w {estimate:?}, solid angle {exact}"),
+        );
+    }
+    family.judge();
+}
+
+#[test]
+fn started_directions() {
+    let mut family = Family::default();
+    let mut random = Random::new(21);
+    for (name, light) in all_lights() {
+        let lights = only(light.clone());
+        // Directions are counted about the light's own axis, and the environment's about +Y.
+        let to_local: Mat3;
+        let (axis, cells): (Vec3, SphereCells) = match &light {
+            Light::Area(_) => {
+                let n = (CORNERS[1] - CORNERS[0]).cross(CORNERS[2] - CORNERS[0]);
+                (n.normalize(), SphereCells::even(16, 12))
+            }
+            Light::Spot(spot) => (
+                spot.axis,
+                SphereCells::new(vec![1.0, 0.9, 0.7, 0.5, -1.0], 12, 0.0),
+            ),
+            _ => (Vec3::Z, SphereCells::even(16, 12)),
+        };
+        let up = axis.any_orthonormal_vector();
+        to_local = Mat3::from_cols(up, axis.cross(up), axis).transpose();
+        let pdf = |w: Vec3| -> f64 {
+            let world = to_local.transpose() * w;
+            f64::from(match &light {
+                Light::Area(area) => area.pdf_w_start(world),
+                Light::Point(_) => 0.25 / PI,
+                Light::Spot(s) if w.z > s.cos_outer => 1.0 / (TAU * (1.0 - s.cos_outer)),
+                _ => 0.0,
+            })
+        };
+        if matches!(light, Light::Directional(_) | Light::Environment(_)) {
+            continue;
+        }
+        let mut expected = cells.integrals(pdf);
+        for e in &mut expected {
+            *e *= N_SAMPLES as f64;
+        }
+        let mut observed = vec![0.0; expected.len()];
+        for _ in 0..N_SAMPLES {
+            let Some(start) = lights.start(&light_sample(&mut random)) else {
+                continue;
+            };
+            let local = to_local * start.direction;
+            observed[cells.cell(local)] += 1.0;
+            let stated = f64::from(start.densities.pdf_w);
+            assert!((pdf(local) / stated - 1.0).abs() < 1e-3, "{name}: {stated}");
+        }
+        let result = chi_square(&observed, &expected);
+        family.add(result.p_value, format!("{name}: {result:?}"));
+    }
+    family.judge();
+}
+
+#[test]
+fn directions_from_the_environment() {
+    let mut family = Family::default();
+    let mut random = Random::new(22);
+    let light = EnvironmentLight::new(&environment(), 1.0).unwrap();
+    let lights = only(Light::Environment(light.clone()));
+    // Columns and rows of the map, each row cut in two. Local axes: x to -Z, y to +X, z to +Y,
+    // so that the angle is 2π (u - 1/2) before the turn by the rotation.
+    let local = |w: Vec3| Vec3::new(-w.z, w.x, w.y);
+    let world = |l: Vec3| Vec3::new(l.y, l.z, -l.x);
+    let heights = (0..=16)
+        .map(|i| (std::f64::consts::PI * f64::from(i) / 16.0).cos())
+        .collect();
+    let cells = SphereCells::new(heights, 16, 0.0);
+    let expected: Vec<f64> = cells
+        .integrals(|l| f64::from(lights.environment_densities(world(l)).0))
+        .iter()
+        .map(|e| e * N_SAMPLES as f64)
+        .collect();
+    let total = expected.iter().sum::<f64>() / N_SAMPLES as f64;
+    assert!((total - 1.0).abs() < 1e-3, "density integrates to {total}");
+    let (mut aimed, mut started) = (vec![0.0; cells.n_cells()], vec![0.0; cells.n_cells()]);
+    for _ in 0..N_SAMPLES {
+        let u = light_sample(&mut random);
+        let aim = lights.aim(Vec3::ZERO, &u).unwrap();
+        aimed[cells.cell(local(aim.wi))] += 1.0;
+        let (pdf_w, densities) = lights.environment_densities(aim.wi);
+        assert!(
+            (pdf_w / aim.pdf_w - 1.0).abs() < 1e-3,
+            "{pdf_w} {}",
+            aim.pdf_w
+        );
+        assert!((densities.pdf_a / aim.start.pdf_a - 1.0).abs() < 1e-5);
+        let value = light.radiance(aim.wi);
+        assert!((value - aim.value).map(f32::abs).max_channel() < 1e-4);
+        let start = lights.start(&u).unwrap();
+        started[cells.cell(local(-start.direction))] += 1.0;
+    }
+    for (what, counts) in [("aimed", aimed), ("started", started)] {
+        let result = chi_square(&counts, &expected);
+        family.add(result.p_value, format!("{what}: {result:?}"));
+    }
+    family.judge();
+}
+
+/// The mean of `value cos / pdf` over started rays is the light's power, `∫∫ L cos dA dω`.
+#[test]
+fn started_rays_carry_the_power() {
+    let mut family = Family::default();
+    let mut random = Random::new(23);
+    let across = PI * BOUNDS.radius * BOUNDS.radius;
+    let mut sum = 0.0;
+    let mut mixed = Vec::new();
+    for (name, light) in all_lights() {
+        let exact = match &light {
+            Light::Area(l) if name == "area" => 4.0 * PI * l.area(),
+            Light::Area(l) if name == "area, both sides" => 8.0 * PI * l.area(),
+            Light::Point(_) => 3.0 * 4.0 * PI,
+            // The squared linear ramp in cosine integrates to a third of its width.
+            Light::Spot(_) => 3.0 * TAU * (0.1 + 0.4 / 3.0),
+            Light::Directional(_) => 2.0 * across,
+            _ => light.power(BOUNDS).r,
+        };
+        sum += exact;
+        mixed.push(light.clone());
+        let lights = only(light);
+        let power = power_of(&lights, &mut random);
+        family.add(
+            power.p_value(f64::from(exact), 1e-4),
+            format!("{name}: {power:?}, exact {exact}"),
+        );
+    }
+    // All together: the choice among lights must be undone by its probability.
+    let lights = Lights::new(mixed, 1, BOUNDS);
+    let pmf: f32 = (0..lights.as_slice().len()).map(|i| lights.pmf(i)).sum();
+    assert!((pmf - 1.0).abs() < 1e-5, "probabilities add to {pmf}");
+    let power = power_of(&lights, &mut random);
+    family.add(
+        power.p_value(f64::from(sum), 1e-4),
+        format!("all: {power:?}, exact {sum}"),
+    );
+    family.judge();
+}
+
+fn power_of(lights: &Lights, random: &mut Random) -> Estimate {
+    let values: Vec<f64> = (0..N_SAMPLES)
+        .map(|_| {
+            lights.start(&light_sample(random)).map_or(0.0, |s| {
+                f64::from(s.value.r * s.cos / (s.densities.pdf_a * s.densities.pdf_w))
+            })
+        })
+        .collect();
+    Estimate::of(&values)
+}
+
+/// The irradiance that aiming at all lights together finds is the sum of what each alone gives:
+/// the choice among lights enters the densities.
+#[test]
+fn the_choice_of_a_light_is_weighed() {
+    let mut family = Family::default();
+    let mut random = Random::new(24);
+    let x = Vec3::new(0.3, -1.4, 0.1);
+    let mut fluence = |lights: &Lights| -> Estimate {
+        let values: Vec<f64> = (0..N_SAMPLES)
+            .map(|_| {
+                let aim = lights.aim(x, &light_sample(&mut random));
+                aim.map_or(0.0, |a| f64::from(a.value.r / a.pdf_w))
+            })
+            .collect();
+        Estimate::of(&values)
+    };
+    let alone: Vec<Estimate> = all_lights()
+        .into_iter()
+        .map(|(_, light)| fluence(&only(light)))
+        .collect();
+    let together = fluence(&Lights::new(
+        all_lights().into_iter().map(|(_, l)| l).collect(),
+        1,
+        BOUNDS,
+    ));
+    let sum = Estimate {
+        mean: alone.iter().map(|e| e.mean).sum(),
+        standard_error: alone
+            .iter()
+            .map(|e| e.standard_error.powi(2))
+            .sum::<f64>()
+            .sqrt(),
+        n: N_SAMPLES,
+    };
+    assert!(sum.mean > 0.0);
+    family.add(
+        together.p_value_against(&sum, 1e-5),
+        format!("together {together:?}, one by one {sum:?}"),
+    );
+    family.judge();
+}

@@ -46,6 +46,11 @@ const SOFTWARE_PERIOD: Duration = Duration::from_millis(80);
 /// The same on a graphics processor.
 const HARDWARE_PERIOD: Duration = Duration::from_millis(16);
 
+/// Longest time between frames that only show a newer picture.
+const SLOWEST_PERIOD: Duration = Duration::from_millis(500);
+/// Announcements this close together make one frame.
+const COALESCING: Duration = Duration::from_millis(12);
+
 /// How long a frame waits for a coarse picture of what has just been asked for.
 const COARSE_PATIENCE: Duration = Duration::from_millis(33);
 
@@ -96,7 +101,10 @@ struct Running {
     app: App,
     is_announced: Arc<AtomicBool>,
     period: Duration,
+    is_software: bool,
     drawn: Instant,
+    /// How long the last frame took.
+    cost: Duration,
     next: Option<Instant>,
 }
 
@@ -146,7 +154,8 @@ impl Handler {
         app.open_first_scene();
         window.set_visible(true);
         window.request_redraw();
-        let period = if surface.is_software {
+        let is_software = surface.is_software;
+        let period = if is_software {
             SOFTWARE_PERIOD
         } else {
             HARDWARE_PERIOD
@@ -162,7 +171,9 @@ impl Handler {
             app,
             is_announced,
             period,
+            is_software,
             drawn: Instant::now(),
+            cost: Duration::ZERO,
             next: None,
         });
         Ok(())
@@ -210,12 +221,10 @@ impl ApplicationHandler<Event> for Handler {
         };
         match event {
             Event::Published => {
-                let is_awaited = !running.app.is_current();
-                let due = running.drawn + running.period;
-                if is_awaited || Instant::now() >= due {
-                    running.window.request_redraw();
+                if running.app.is_current() {
+                    running.wake_at(running.due());
                 } else {
-                    running.wake_at(due);
+                    running.window.request_redraw();
                 }
             }
             Event::Wake => running.window.request_redraw(),
@@ -286,8 +295,10 @@ impl Running {
         if let Some(at) = Instant::now().checked_add(delay.max(self.period)) {
             self.wake_at(at);
         }
+        let presenting = Instant::now();
         let prepared = self.surface.present(&self.window, &self.ctx, output);
         self.drawn = Instant::now();
+        self.cost = presenting.elapsed();
         if let Some(latencies) = latencies {
             let is_current = self.app.is_current();
             let share = laid_out + prepared.unwrap_or_default();
@@ -303,6 +314,21 @@ impl Running {
                 }
             }
         }
+    }
+
+    /// When the picture that was just announced is to be drawn.
+    ///
+    /// A film and its statistics are announced one after the other; a frame waits for both.
+    /// On a software adapter a frame costs the renderer time: at full resolution, where each
+    /// iteration changes little, frames take an eighth of it at most.
+    fn due(&self) -> Instant {
+        let is_climbing = self.app.picture.divisor > 1;
+        let pause = if !self.is_software || is_climbing {
+            self.period
+        } else {
+            (8 * self.cost).clamp(self.period, SLOWEST_PERIOD)
+        };
+        (self.drawn + pause).max(Instant::now() + COALESCING)
     }
 
     fn lay_out(&mut self) -> egui::FullOutput {

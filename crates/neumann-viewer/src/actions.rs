@@ -66,7 +66,6 @@ impl App {
             Action::Quit => self.requests.push(WindowRequest::Quit),
             _ => self.change_display(action),
         }
-        ctx.request_repaint();
     }
 
     fn move_camera(&mut self, action: Action) {

@@ -40,7 +40,7 @@ pub fn show(
     first_draw: usize,
 ) -> usize {
     let p = Palette::of(ui);
-    ui.painter().rect_filled(rect, 0, p.panel);
+    theme::fill_panel(ui, rect);
     ui.painter()
         .hline(rect.x_range(), rect.top(), (1.0, p.line));
     let window = ui.ctx().content_rect().size();

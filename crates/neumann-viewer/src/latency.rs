@@ -199,7 +199,6 @@ impl Latencies {
                 let turn = if i % 2 == 0 { 0.05 } else { -0.05 };
                 control.orbit(Vec2::new(turn, 0.0));
                 app.setup.is_changed = true;
-                app.start_if_changed();
             }
             self.awaited = Some(Awaited::Camera(sent));
         } else if i == 2 * n {
@@ -234,6 +233,7 @@ impl Latencies {
         self.awaited = None;
     }
 
+    /// The measurement's results.
     fn report(&self) -> Report {
         Report {
             view: percentiles(&self.view),

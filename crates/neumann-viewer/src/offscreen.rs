@@ -11,6 +11,7 @@ use crate::display::FilmGpu;
 use crate::options::{Screenshot, ViewError, ViewOptions};
 use crate::render_link::RenderLink;
 use crate::surface::{device, draw, free_textures, update_textures};
+use crate::theme::Palette;
 
 /// A frame whose scene or iterations have not come by then is drawn as it is.
 const PATIENCE: Duration = Duration::from_secs(600);
@@ -60,6 +61,7 @@ impl Canvas {
     fn draw_when_ready(&mut self, app: &mut App, shot: &Screenshot) -> Result<Pixels8, ViewError> {
         let ctx = Context::default();
         crate::theme::install(&ctx);
+        crate::theme::set_cleared(&ctx);
         ctx.set_theme(if shot.light_theme {
             Theme::Light
         } else {
@@ -151,7 +153,8 @@ impl Canvas {
             self.renderer
                 .update_buffers(&self.device, &self.queue, &mut encoder, &jobs, &screen);
         let view = texture.create_view(&Default::default());
-        draw(&mut encoder, &self.renderer, &view, &jobs, &screen);
+        let ground = Palette::of_theme(ctx.theme() == Theme::Dark).panel;
+        draw(&mut encoder, &self.renderer, &view, &jobs, &screen, ground);
         encoder.copy_texture_to_buffer(
             texture.as_image_copy(),
             wgpu::TexelCopyBufferInfo {

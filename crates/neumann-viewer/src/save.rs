@@ -6,10 +6,9 @@ use egui::{Color32, ColorImage, Context};
 use neumann_core::film::{Film, View};
 use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
-use neumann_picture::exr_file::{
-    IterationRanges, Metadata, camera_text, environment_text, write_exr,
-};
+use neumann_picture::exr_file::{IterationRanges, Metadata, write_exr};
 use neumann_picture::png_file::{Pixels8, write_png};
+use neumann_picture::sheet::{SheetInfo, sheet as lay_out_sheet};
 
 use crate::app::App;
 
@@ -44,10 +43,15 @@ pub fn sheet(app: &mut App) {
     let Some((film, metadata)) = film_of(app) else {
         return nothing(app);
     };
-    let display = app.viewing.display();
+    let info = SheetInfo {
+        title: metadata.scene.clone(),
+        subtitle: metadata.summary(),
+        display: app.viewing.display(),
+        max_bounces: metadata.max_bounces,
+    };
     let path = path_of(app, "series", "png");
     app.background.save(move || {
-        write_sheet(&path, &film, &display, &metadata)?;
+        write_png(&path, &lay_out_sheet(&film, &info)).map_err(|e| e.to_string())?;
         Ok(format!("Saved {}", shown(&path)))
     });
 }
@@ -67,15 +71,6 @@ pub fn copy(app: &mut App, ctx: &Context) {
         pixels.collect(),
     ));
     app.notices.remark(ctx, "Copied the picture");
-}
-
-fn write_sheet(
-    _path: &std::path::Path,
-    _film: &Film,
-    _display: &neumann_picture::tone::Display,
-    _metadata: &Metadata,
-) -> Result<(), String> {
-    Err("no sheets yet".to_owned())
 }
 
 fn nothing(app: &mut App) {
@@ -107,30 +102,11 @@ fn film_of(app: &App) -> Option<(Film, Metadata)> {
     let (film, seconds) = app
         .link
         .read(|published| (published.film.clone(), published.stats.seconds));
-    let settings = &job.settings;
-    let method = settings.method;
-    let appearance = open.scene.appearance();
     let metadata = Metadata {
-        integrator: method.id.to_owned(),
-        parameters: method
-            .parameters
-            .iter()
-            .map(|p| {
-                let value = settings.values.value(p.name);
-                let value = value.unwrap_or_else(|| p.default_value());
-                (p.name.to_owned(), p.format(value))
-            })
-            .collect(),
         iterations: IterationRanges::of(0..film.n_iterations()),
         seconds,
-        seed: settings.seed,
-        scene: open.scene.name().to_owned(),
-        content_hash: open.scene.content_hash(),
-        program_version: env!("CARGO_PKG_VERSION").to_owned(),
-        max_bounces: settings.max_bounces,
-        camera: camera_text(&settings.camera),
-        environment: environment_text(appearance.environment.as_deref()),
         n_refused: film.n_refused(),
+        ..Metadata::of(&open.scene, &job.settings)
     };
     Some((film, metadata))
 }

@@ -22,7 +22,6 @@ pub const N_DRAWS: usize = 1;
 /// Draws the picture into `rect` and lets the pointer act on it.
 pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     let p = Palette::of(ui);
-    ui.painter().rect_filled(rect, 0, p.ground);
     let size = shown_size(app);
     let placement = Placement::new(rect, ui.pixels_per_point(), size, &app.viewing);
     let response = ui.interact(rect, ui.scope_id().with("picture"), Sense::click_and_drag());
@@ -33,6 +32,12 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     let placement = Placement::new(rect, ui.pixels_per_point(), size, &app.viewing);
     app.placement = Some(placement);
     app.picture.compose(&app.link, app.viewing.view);
+    let covered = if app.picture.is_there() {
+        placement.visible
+    } else {
+        Rect::NOTHING
+    };
+    fill_around(ui, rect, covered, p.ground);
     if !app.picture.is_there() {
         let text = if app.is_loading() || app.setup.open.is_some() {
             "opening …"
@@ -77,6 +82,25 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     probe(ui, rect, &response, &placement, app, &p);
     if app.viewing.is_false_colour || app.viewing.is_difference {
         legend::show(&painter, rect, &app.viewing, &p);
+    }
+}
+
+/// Fills what the picture leaves of the stage.
+fn fill_around(ui: &Ui, rect: Rect, covered: Rect, color: egui::Color32) {
+    if !covered.is_positive() {
+        ui.painter().rect_filled(rect, 0, color);
+        return;
+    }
+    let (a, b) = (covered.min, covered.max);
+    for part in [
+        Rect::from_min_max(rect.min, pos2(rect.right(), a.y)),
+        Rect::from_min_max(pos2(rect.left(), b.y), rect.max),
+        Rect::from_min_max(pos2(rect.left(), a.y), pos2(a.x, b.y)),
+        Rect::from_min_max(pos2(b.x, a.y), pos2(rect.right(), b.y)),
+    ] {
+        if part.is_positive() {
+            ui.painter().rect_filled(part, 0, color);
+        }
     }
 }
 

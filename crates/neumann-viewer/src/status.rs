@@ -27,7 +27,7 @@ pub struct Status<'a> {
 pub fn show(ui: &mut Ui, rect: Rect, status: &Status<'_>) {
     let p = Palette::of(ui);
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 0, p.panel);
+    theme::fill_panel(ui, rect);
     painter.hline(rect.x_range(), rect.top() + 0.5, (1.0, p.line));
     let right = badge(ui, rect, status.bias);
     let mut spoken = String::new();

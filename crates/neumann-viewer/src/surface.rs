@@ -11,6 +11,7 @@ use winit::window::Window;
 
 use crate::display::FilmGpu;
 use crate::options::ViewError;
+use crate::theme::Palette;
 
 /// Device, surface and the renderer of the interface.
 pub(crate) struct Surface {
@@ -53,7 +54,15 @@ impl Surface {
             .ok_or_else(|| ViewError::NoAdapter("it cannot draw to this window".to_owned()))?;
         config.format = format;
         surface.configure(&device, &config);
-        let mut renderer = Renderer::new(&device, format, RendererOptions::default());
+        let mut renderer = Renderer::new(
+            &device,
+            format,
+            RendererOptions {
+                // Greys are flat; there is nothing to dither.
+                dithering: false,
+                ..RendererOptions::default()
+            },
+        );
         let film = FilmGpu::new(&device, &queue, format);
         renderer.callback_resources.insert(film);
         Ok(Self {
@@ -115,7 +124,8 @@ impl Surface {
                 &screen,
             );
             let view = frame.texture.create_view(&Default::default());
-            draw(&mut encoder, &self.renderer, &view, &jobs, &screen);
+            let ground = Palette::of_theme(ctx.theme() == egui::Theme::Dark).panel;
+            draw(&mut encoder, &self.renderer, &view, &jobs, &screen, ground);
             buffers.push(encoder.finish());
             prepared = Some(start.elapsed());
             self.queue.submit(buffers);
@@ -166,14 +176,16 @@ pub(crate) fn device(adapter: &wgpu::Adapter) -> Result<(wgpu::Device, wgpu::Que
         .map_err(|e| ViewError::NoAdapter(e.to_string()))
 }
 
-/// One pass over the interface's shapes.
+/// One pass over the interface's shapes, on a target cleared to `ground`.
 pub(crate) fn draw(
     encoder: &mut wgpu::CommandEncoder,
     renderer: &Renderer,
     view: &wgpu::TextureView,
     jobs: &[egui::ClippedPrimitive],
     screen: &ScreenDescriptor,
+    ground: egui::Color32,
 ) {
+    let channel = |code: u8| f64::from(code) / 255.0;
     let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("window"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -181,7 +193,12 @@ pub(crate) fn draw(
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                load: wgpu::LoadOp::Clear(wgpu::Color {
+                    r: channel(ground.r()),
+                    g: channel(ground.g()),
+                    b: channel(ground.b()),
+                    a: 1.0,
+                }),
                 store: wgpu::StoreOp::Store,
             },
         })],

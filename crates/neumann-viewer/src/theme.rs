@@ -24,6 +24,7 @@ pub const ROW: f32 = 24.0;
 const REGULAR: &str = "Inter";
 const SEMIBOLD: &str = "Inter SemiBold";
 const INSTALLED: &str = "neumann theme";
+const CLEARED: &str = "neumann target is cleared";
 
 /// The greys and the amber of a theme.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,6 +136,20 @@ pub fn install(ctx: &Context) {
     ctx.set_style_of(Theme::Dark, style(Theme::Dark));
     ctx.set_style_of(Theme::Light, style(Theme::Light));
     ctx.options_mut(|options| options.zoom_with_keyboard = false);
+}
+
+/// Says that the target is cleared to the panels' grey, so that they need not be filled: on a
+/// software adapter every pixel that is painted twice costs.
+pub fn set_cleared(ctx: &Context) {
+    ctx.data_mut(|data| data.insert_temp(Id::unique(CLEARED), true));
+}
+
+/// Fills the ground of a panel or bar, unless the target has been cleared to it.
+pub fn fill_panel(ui: &Ui, rect: egui::Rect) {
+    let is_cleared = ui.data(|data| data.get_temp(Id::unique(CLEARED)).unwrap_or(false));
+    if !is_cleared {
+        ui.painter().rect_filled(rect, 0, Palette::of(ui).panel);
+    }
 }
 
 fn fonts() -> FontDefinitions {

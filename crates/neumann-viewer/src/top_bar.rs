@@ -14,7 +14,7 @@ use crate::widgets::{Icon, icon_button, row_button, segmented, segmented_width};
 /// Draws the bar into `rect`.
 pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     let p = Palette::of(ui);
-    ui.painter().rect_filled(rect, 0, p.panel);
+    theme::fill_panel(ui, rect);
     ui.painter()
         .hline(rect.x_range(), rect.bottom() - 0.5, (1.0, p.line));
     let inner = rect.shrink2(Vec2::new(GRID, 0.0));
@@ -91,6 +91,7 @@ fn commands(ui: &mut Ui, rect: Rect, app: &mut App) -> Rect {
     });
     if let Some(action) = chosen {
         app.perform(ui.ctx(), action);
+        ui.ctx().request_repaint();
     }
     spot
 }

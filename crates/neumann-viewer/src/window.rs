@@ -46,6 +46,14 @@ const SOFTWARE_PERIOD: Duration = Duration::from_millis(80);
 /// The same on a graphics processor.
 const HARDWARE_PERIOD: Duration = Duration::from_millis(16);
 
+/// Longest time between frames that only show a newer picture.
+const SLOWEST_PERIOD: Duration = Duration::from_millis(500);
+/// Announcements this close together make one frame.
+const COALESCING: Duration = Duration::from_millis(12);
+
+/// How long a frame waits for a coarse picture of what has just been asked for.
+const COARSE_PATIENCE: Duration = Duration::from_millis(33);
+
 /// Opens the window and stays until it is closed; with a plan, measures and closes by itself.
 ///
 /// # Errors
@@ -93,7 +101,10 @@ struct Running {
     app: App,
     is_announced: Arc<AtomicBool>,
     period: Duration,
+    is_software: bool,
     drawn: Instant,
+    /// How long the last frame took.
+    cost: Duration,
     next: Option<Instant>,
 }
 
@@ -114,6 +125,7 @@ impl Handler {
         let window = Arc::new(window);
         let ctx = Context::default();
         crate::theme::install(&ctx);
+        crate::theme::set_cleared(&ctx);
         // The device before the workers: a software adapter's own threads are not to be niced.
         let surface = Surface::new(event_loop, Arc::clone(&window))?;
         let mut egui = egui_winit::State::new(
@@ -142,7 +154,8 @@ impl Handler {
         app.open_first_scene();
         window.set_visible(true);
         window.request_redraw();
-        let period = if surface.is_software {
+        let is_software = surface.is_software;
+        let period = if is_software {
             SOFTWARE_PERIOD
         } else {
             HARDWARE_PERIOD
@@ -158,7 +171,9 @@ impl Handler {
             app,
             is_announced,
             period,
+            is_software,
             drawn: Instant::now(),
+            cost: Duration::ZERO,
             next: None,
         });
         Ok(())
@@ -206,12 +221,10 @@ impl ApplicationHandler<Event> for Handler {
         };
         match event {
             Event::Published => {
-                let is_awaited = !running.app.is_current();
-                let due = running.drawn + running.period;
-                if is_awaited || Instant::now() >= due {
-                    running.window.request_redraw();
+                if running.app.is_current() {
+                    running.wake_at(running.due());
                 } else {
-                    running.wake_at(due);
+                    running.window.request_redraw();
                 }
             }
             Event::Wake => running.window.request_redraw(),
@@ -261,22 +274,31 @@ impl Running {
         self.is_announced.store(false, Ordering::Release);
         self.next = None;
         let start = Instant::now();
-        let input = self.egui.take_egui_input(&self.window);
-        let mut output = self.ctx.run_ui(input, |ui| self.app.ui(ui));
+        let n_starts = self.app.link.n_starts();
+        let mut output = self.lay_out();
+        let mut laid_out = start.elapsed();
+        if self.app.link.n_starts() != n_starts && self.first_frame_comes() {
+            // One frame that shows what was asked for is there sooner than one that
+            // does not and a second one that does.
+            let start = Instant::now();
+            let newer = self.lay_out();
+            output.append(newer);
+            laid_out += start.elapsed();
+        }
         self.egui
             .handle_platform_output(&self.window, std::mem::take(&mut output.platform_output));
         let delay = output
             .viewport_output
             .get(&ViewportId::ROOT)
             .map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        if delay.is_zero() {
-            self.window.request_redraw();
-        } else if let Some(at) = Instant::now().checked_add(delay) {
+        // Egui asks for one more frame after any input; it must not stand in the way of the next.
+        if let Some(at) = Instant::now().checked_add(delay.max(self.period)) {
             self.wake_at(at);
         }
-        let laid_out = start.elapsed();
+        let presenting = Instant::now();
         let prepared = self.surface.present(&self.window, &self.ctx, output);
         self.drawn = Instant::now();
+        self.cost = presenting.elapsed();
         if let Some(latencies) = latencies {
             let is_current = self.app.is_current();
             let share = laid_out + prepared.unwrap_or_default();
@@ -292,6 +314,39 @@ impl Running {
                 }
             }
         }
+    }
+
+    /// When the picture that was just announced is to be drawn.
+    ///
+    /// A film and its statistics are announced one after the other; a frame waits for both.
+    /// On a software adapter a frame costs the renderer time: at full resolution, where each
+    /// iteration changes little, frames take an eighth of it at most.
+    fn due(&self) -> Instant {
+        let is_climbing = self.app.picture.divisor > 1;
+        let pause = if !self.is_software || is_climbing {
+            self.period
+        } else {
+            (8 * self.cost).clamp(self.period, SLOWEST_PERIOD)
+        };
+        (self.drawn + pause).max(Instant::now() + COALESCING)
+    }
+
+    fn lay_out(&mut self) -> egui::FullOutput {
+        let input = self.egui.take_egui_input(&self.window);
+        self.ctx.run_ui(input, |ui| self.app.ui(ui))
+    }
+
+    /// Waits a moment for the first frame of what has just been started; true if it has come.
+    fn first_frame_comes(&self) -> bool {
+        let start = Instant::now();
+        let link = &self.app.link;
+        while !link.is_paused() && start.elapsed() < COARSE_PATIENCE {
+            if link.read(|published| published.generation) == link.generation() {
+                return true;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        false
     }
 
     fn wake_at(&mut self, at: Instant) {

@@ -67,6 +67,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
     compare(ui, app, &mut actions);
     for action in actions {
         app.perform(ui.ctx(), action);
+        ui.ctx().request_repaint();
     }
 }
 

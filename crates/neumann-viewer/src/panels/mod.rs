@@ -10,7 +10,7 @@ mod scene;
 use egui::{Margin, Rect, ScrollArea, Ui, UiBuilder};
 
 use crate::app::App;
-use crate::theme::{GRID, Palette};
+use crate::theme::{self, GRID, Palette};
 use crate::widgets::tabs;
 
 /// The pages of the panel.
@@ -46,7 +46,7 @@ impl Page {
 /// Draws the panel into `rect`.
 pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     let p = Palette::of(ui);
-    ui.painter().rect_filled(rect, 0, p.panel);
+    theme::fill_panel(ui, rect);
     ui.painter()
         .vline(rect.left() + 0.5, rect.y_range(), (1.0, p.line));
     let inner = rect.shrink2(egui::vec2(2.0 * GRID, 0.0));

@@ -10,3 +10,4 @@ pub mod random;
 pub mod renders;
 pub mod scenes;
 pub mod statistics;
+pub mod studio;

@@ -199,7 +199,7 @@ fn watched_loop() -> (RenderLoop, mpsc::Receiver<()>) {
         // Whoever listened may be gone already.
         let _ = sender.send(());
     })
-    .unwrap();
+    .expect("a thread for the loop");
     (render_loop, receiver)
 }
 

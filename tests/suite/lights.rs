@@ -5,137 +5,16 @@
 //! from, and the mean of `value · cos / pdf` of started rays is the light's power.
 
 use std::f32::consts::{PI, TAU};
-use std::sync::Arc;
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec3};
 use neumann_core::endpoint::Lights;
-use neumann_core::endpoint::light::{
-    AreaLight, Bounds, DirectionalLight, Emission, EnvironmentLight, Light, LightSample,
-    PointLight, SpotLight, TexturedEmission,
-};
-use neumann_core::material::{ColorSpace, Texture};
-use neumann_core::radiometry::Rgb;
-use neumann_core::scene::description::{
-    EnvironmentDescription, Filter, ImageDescription, TextureDescription, Wrap,
-};
+use neumann_core::endpoint::light::Light;
 use neumann_tests::cells::SphereCells;
+use neumann_tests::lights::{BOUNDS, CORNERS, all_lights, environment_light, light_sample, only};
 use neumann_tests::random::Random;
 use neumann_tests::statistics::{Estimate, Family, chi_square};
 
 const N_SAMPLES: usize = 60_000;
-
-const BOUNDS: Bounds = Bounds {
-    center: Vec3::new(0.2, -0.1, 0.3),
-    radius: 2.5,
-};
-
-const CORNERS: [Vec3; 3] = [
-    Vec3::new(-0.4, 0.0, 0.2),
-    Vec3::new(0.7, 0.2, -0.1),
-    Vec3::new(0.1, -0.3, 0.9),
-];
-
-fn light_sample(random: &mut Random) -> LightSample {
-    let mut sampler = random.sampler();
-    LightSample {
-        choice: sampler.next_2d(),
-        point: sampler.next_2d(),
-        direction: sampler.next_2d(),
-    }
-}
-
-fn textured() -> Emission {
-    let texels = (0..64u32)
-        .map(|i| [20 + (i * 37 % 230) as u8, 30 + (i * i % 220) as u8, 40, 255])
-        .collect();
-    let image = Arc::new(ImageDescription {
-        name: String::new(),
-        width: 8,
-        height: 8,
-        texels,
-    });
-    let description = TextureDescription {
-        image: 0,
-        uv_set: 0,
-        image_from_mesh_uv: Mat3::IDENTITY,
-        wrap_u: Wrap::Repeat,
-        wrap_v: Wrap::Repeat,
-        filter: Filter::Linear,
-    };
-    let texture = Texture::new(&description, &[image], ColorSpace::Linear).unwrap();
-    let uvs = [Vec2::ZERO, Vec2::X, Vec2::Y];
-    Emission::Textured(Arc::new(
-        TexturedEmission::new(Rgb::new(3.0, 2.0, 1.0), &texture, uvs).unwrap(),
-    ))
-}
-
-fn area_light(emission: Emission, is_double_sided: bool) -> AreaLight {
-    AreaLight::new(0, CORNERS, emission, is_double_sided, 1e-6)
-}
-
-/// A map with bright and dark texels side by side, turned by a whole number of columns.
-fn environment() -> Arc<EnvironmentDescription> {
-    let texels = (0..128)
-        .map(|i| {
-            Rgb::splat(if i % 11 == 3 {
-                50.0
-            } else {
-                0.02 + 0.01 * (i % 7) as f32
-            })
-        })
-        .collect();
-    Arc::new(EnvironmentDescription {
-        name: String::new(),
-        width: 16,
-        height: 8,
-        texels,
-        intensity: 2.0,
-        rotation: 3.0 * TAU / 16.0,
-    })
-}
-
-fn only(light: Light) -> Lights {
-    Lights::new(vec![light], 1, BOUNDS)
-}
-
-fn all_lights() -> Vec<(&'static str, Light)> {
-    let uniform = || Emission::Uniform(Rgb::new(4.0, 2.0, 1.0));
-    let position = Vec3::new(0.1, 0.8, -0.3);
-    let axis = Vec3::new(0.3, -0.9, 0.2).normalize();
-    vec![
-        ("area", Light::Area(area_light(uniform(), false))),
-        ("area, both sides", Light::Area(area_light(uniform(), true))),
-        ("textured area", Light::Area(area_light(textured(), false))),
-        (
-            "point",
-            Light::Point(PointLight {
-                position,
-                intensity: Rgb::splat(3.0),
-            }),
-        ),
-        (
-            "spot",
-            Light::Spot(SpotLight {
-                position,
-                axis,
-                intensity: Rgb::splat(3.0),
-                cos_inner: 0.9,
-                cos_outer: 0.5,
-            }),
-        ),
-        (
-            "directional",
-            Light::Directional(DirectionalLight {
-                direction: axis,
-                irradiance: Rgb::splat(2.0),
-            }),
-        ),
-        (
-            "environment",
-            Light::Environment(EnvironmentLight::new(&environment(), 1.0).unwrap()),
-        ),
-    ]
-}
 
 /// Barycentric coordinates of a point of the triangle light.
 fn barycentrics(p: Vec3) -> [f32; 2] {
@@ -253,7 +132,6 @@ fn started_directions() {
     for (name, light) in all_lights() {
         let lights = only(light.clone());
         // Directions are counted about the light's own axis, and the environment's about +Y.
-        let to_local: Mat3;
         let (axis, cells): (Vec3, SphereCells) = match &light {
             Light::Area(_) => {
                 let n = (CORNERS[1] - CORNERS[0]).cross(CORNERS[2] - CORNERS[0]);
@@ -266,7 +144,7 @@ fn started_directions() {
             _ => (Vec3::Z, SphereCells::even(16, 12)),
         };
         let up = axis.any_orthonormal_vector();
-        to_local = Mat3::from_cols(up, axis.cross(up), axis).transpose();
+        let to_local = Mat3::from_cols(up, axis.cross(up), axis).transpose();
         let pdf = |w: Vec3| -> f64 {
             let world = to_local.transpose() * w;
             f64::from(match &light {
@@ -303,7 +181,7 @@ fn started_directions() {
 fn directions_from_the_environment() {
     let mut family = Family::default();
     let mut random = Random::new(22);
-    let light = EnvironmentLight::new(&environment(), 1.0).unwrap();
+    let light = environment_light();
     let lights = only(Light::Environment(light.clone()));
     // Columns and rows of the map, each row cut in two. Local axes: x to -Z, y to +X, z to +Y,
     // so that the angle is 2π (u - 1/2) before the turn by the rotation.

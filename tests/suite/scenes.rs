@@ -272,7 +272,9 @@ fn steady(scene: &Arc<Scene>) -> Setup {
     let mut setup = Setup::new(scene, 48, 48).up_to(8);
     let parameters = setup.settings.method.parameters;
     let values = &mut setup.settings.values;
-    values.set(parameters, "roulette", "off").unwrap();
+    values
+        .set(parameters, "roulette", "off")
+        .expect("a switch of the default method");
     setup
 }
 

@@ -5,6 +5,7 @@
 
 pub mod bsdfs;
 pub mod cells;
+pub mod lights;
 pub mod random;
 pub mod renders;
 pub mod scenes;

@@ -173,7 +173,7 @@ impl Family {
         let n_rejected = sorted
             .iter()
             .enumerate()
-            .take_while(|(i, (p, _))| !(p * (n - i) as f64 >= SIGNIFICANCE))
+            .take_while(|(i, (p, _))| p.is_nan() || p * ((n - i) as f64) < SIGNIFICANCE)
             .count();
         sorted.truncate(n_rejected);
         sorted

@@ -92,7 +92,8 @@ pub(crate) fn write(folder: &Path, rendered: &Rendered, display: Display) -> Out
         }
     }
     let path = folder.join("sheet.png");
-    write_png(&path, &sheet(film, &sheet_info(rendered, display)))?;
+    let info = SheetInfo::of(film, &rendered.metadata, display);
+    write_png(&path, &sheet(film, &info))?;
     outputs.push(path);
     Ok(outputs)
 }
@@ -117,28 +118,6 @@ fn image_of(film: &Film, view: View) -> Image {
         height: film.height(),
         pixels,
         ..Image::default()
-    }
-}
-
-fn sheet_info(rendered: &Rendered, display: Display) -> SheetInfo {
-    let (film, metadata) = (&rendered.film, &rendered.metadata);
-    let sign = if display.exposure_ev < 0.0 {
-        "−"
-    } else {
-        "+"
-    };
-    SheetInfo {
-        title: metadata.scene.clone(),
-        subtitle: format!(
-            "{} · {}×{} · exposure {sign}{:.1} EV · tone {}",
-            metadata.summary(),
-            film.width(),
-            film.height(),
-            display.exposure_ev.abs(),
-            display.tone
-        ),
-        display,
-        max_bounces: metadata.max_bounces,
     }
 }
 

@@ -1,5 +1,7 @@
 //! The command as its users meet it: exit codes, files, JSON, resume, merge, threads.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU32, Ordering};

@@ -5,15 +5,20 @@
 //! on a ground without hue, so that they can be compared by eye.
 
 mod canvas;
+mod label;
 mod text;
 
 use neumann_core::film::{Film, View};
 use neumann_core::radiometry::Rgb;
 
+use crate::exr_file::Metadata;
 use crate::png_file::Pixels8;
 use crate::tone::Display;
 use canvas::{Canvas, Rect, Thumbnail};
+use label::percent;
 use text::{Align, Face, Style, Typesetter};
+
+pub use label::formula;
 
 /// What stands on the sheet beside the pictures.
 #[derive(Clone, Debug, Default)]
@@ -26,6 +31,31 @@ pub struct SheetInfo {
     pub display: Display,
     /// Terms beyond this power are not computed, and left out.
     pub max_bounces: u32,
+}
+
+impl SheetInfo {
+    /// What a film's metadata say.
+    #[must_use]
+    pub fn of(film: &Film, metadata: &Metadata, display: Display) -> Self {
+        let sign = if display.exposure_ev < 0.0 {
+            "−"
+        } else {
+            "+"
+        };
+        Self {
+            title: metadata.scene.clone(),
+            subtitle: format!(
+                "{} · {}×{} · exposure {sign}{:.1} EV · tone {}",
+                metadata.summary(),
+                film.width(),
+                film.height(),
+                display.exposure_ev.abs(),
+                display.tone
+            ),
+            display,
+            max_bounces: metadata.max_bounces,
+        }
+    }
 }
 
 /// Lays out the series of a film.
@@ -42,20 +72,6 @@ pub fn sheet(film: &Film, info: &SheetInfo) -> Pixels8 {
     page.heading(info);
     page.rows(film, &columns, info);
     page.canvas.into_pixels()
-}
-
-/// The formula of a view, with `^{…}` and `_{…}` for superscripts and subscripts.
-#[must_use]
-pub fn formula(view: View, n_layers: usize) -> String {
-    match view {
-        View::Total => "L".to_owned(),
-        View::Term(0) | View::Upto(0) => "L_{e}".to_owned(),
-        View::Term(1) => "TL_{e}".to_owned(),
-        View::Term(k) => format!("T^{{{k}}}L_{{e}}"),
-        View::Tail => format!("T^{{{n_layers}}}L_{{e}} + …"),
-        View::Upto(1) => "L_{e} + TL_{e}".to_owned(),
-        View::Upto(k) => format!("L_{{e}} + … + T^{{{k}}}L_{{e}}"),
-    }
 }
 
 /// Greys without hue.
@@ -267,28 +283,12 @@ impl Page<'_> {
     }
 }
 
-/// A share with as many figures as it deserves.
-fn percent(share: f64) -> String {
-    let percent = share * 100.0;
-    if percent == 0.0 {
-        "0 %".to_owned()
-    } else if percent < 0.01 {
-        "< 0.01 %".to_owned()
-    } else if percent < 1.0 {
-        format!("{percent:.2} %")
-    } else if percent < 99.95 {
-        format!("{percent:.1} %")
-    } else {
-        "100 %".to_owned()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use neumann_core::film::{Film, View};
     use neumann_core::radiometry::Rgb;
 
-    use super::{GROUND, Layout, SheetInfo, columns, formula, percent, sheet};
+    use super::{GROUND, Layout, SheetInfo, columns, sheet};
 
     /// A film of uniform layers `1/2^k`.
     fn film(width: usize, height: usize) -> Film {
@@ -361,17 +361,5 @@ mod tests {
             let page = sheet(&film(width, height), &info(0));
             assert_eq!(page.pixels.len(), page.width * page.height);
         }
-    }
-
-    #[test]
-    fn formulas_and_shares_read_well() {
-        assert_eq!(formula(View::Term(0), 8), "L_{e}");
-        assert_eq!(formula(View::Term(12), 16), "T^{12}L_{e}");
-        assert_eq!(formula(View::Tail, 8), "T^{8}L_{e} + …");
-        assert_eq!(percent(0.5), "50.0 %");
-        assert_eq!(percent(0.001_234), "0.12 %");
-        assert_eq!(percent(1.0), "100 %");
-        assert_eq!(percent(0.0), "0 %");
-        assert_eq!(percent(1e-9), "< 0.01 %");
     }
 }

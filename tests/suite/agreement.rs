@@ -40,6 +40,7 @@ const HOPELESS: &[(&str, &str, RangeInclusive<usize>)] = &[
     ("naive", "plates", 1..=4),
     ("pt-bsdf", "plates", 1..=4),
     ("pt-nee", "plates", 1..=1),
+    ("drt", "plates", 1..=1),
     ("naive", "sky", 1..=4),
     ("pt-bsdf", "sky", 1..=4),
     ("naive", "studio", 3..=4),
@@ -61,9 +62,7 @@ fn can_see(method: &Method, scene: &Scene) -> bool {
     let sight = method.sight;
     (sight.punctual_lights || !has_punctual)
         && (sight.delta_surfaces || !has_delta)
-        && sight.diffuse_bounces.is_none()
         && sight.shadows
-        && method.bias.is_none()
 }
 
 /// Batches that saw any light at all.
@@ -127,7 +126,12 @@ fn compare_methods(
         let what = format!("{name}, {}", method.id);
         assert_eq!(found.n_refused(), 0, "{what}");
         let before = family.len();
-        for layer in 0..N_LAYERS {
+        // A method without interreflection still owes the bounces before it.
+        let depth = method
+            .sight
+            .diffuse_bounces
+            .map_or(N_LAYERS, |n| n as usize + 1);
+        for layer in 0..depth.min(N_LAYERS) {
             let is_hopeless = HOPELESS
                 .iter()
                 .any(|(m, s, k)| *m == method.id && name.starts_with(s) && k.contains(&layer));

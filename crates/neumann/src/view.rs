@@ -4,6 +4,7 @@ use std::path::Path;
 
 use neumann_core::scene::builtin::builtin;
 
+#[cfg(not(feature = "window"))]
 use crate::cli::ViewArguments;
 use crate::failure::{Outcome, bad_input};
 

@@ -1,7 +1,13 @@
 //! The real window under a virtual display: it opens, draws, answers keys, and closes.
 //!
-//! Needs Xvfb, xdotool, ImageMagick's `import` and a graphics driver. Where one of them is missing
+//! Needs Xvfb, xdotool, `import` (of `ImageMagick`) and a graphics driver. Where one of them is missing
 //! the test says so and passes, unless `CI` is set.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test fails by panicking, and says so when it is left out"
+)]
 
 use std::io::Read;
 use std::path::PathBuf;

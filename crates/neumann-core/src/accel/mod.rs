@@ -1,7 +1,7 @@
 //! Finds what a ray meets.
 //!
-//! obvhs builds a binary tree; [`wide`] collapses it into nodes of eight children and
-//! leaves of four triangles; [`traverse`] walks it. The code that does so is written once, over
+//! obvhs builds a binary tree; `wide` collapses it into nodes of eight children and
+//! leaves of four triangles; `traverse` walks it. The code that does so is written once, over
 //! fixed-size arrays, and compiled twice: for any processor, and for those with AVX2 and
 //! FMA, chosen when the tree is built.
 

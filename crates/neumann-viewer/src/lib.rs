@@ -1,7 +1,7 @@
 //! The window: light transport live, bounce by bounce.
 //!
 //! Rooms, in reading order: [`options`] says how the window begins; [`app`] owns
-//! all state and draws one frame, the same for the window ([`window`]), for
+//! all state and draws one frame, the same for the window (`window`), for
 //! screenshots without a display ([`offscreen`]) and for tests. [`setup`] is what is
 //! rendered, [`display`] how it is looked at; [`render_link`] is the only file that
 //! talks to the renderer. [`filmstrip`], [`stage`], [`panels`], [`top_bar`] and

@@ -2,8 +2,9 @@
 
 use crate::radiometry::Rgb;
 
-/// The bounce from which paths may end; the terms before are never thinned out.
-pub const FIRST_BOUNCE: u32 = 3;
+/// The bounce from which paths may end: the terms that a film keeps apart by default are never
+/// thinned out, since each of them is there to be looked at.
+pub const FIRST_BOUNCE: u32 = 7;
 
 /// Probability to go on for a path of the given throughput, relative to `1` at its start.
 #[inline]

@@ -268,6 +268,37 @@ fn radiance_through_an_interface() {
     });
 }
 
+/// A lamp of one side is black from behind and lights nothing there.
+#[test]
+fn lamps_emit_from_their_front() {
+    for is_double_sided in [false, true] {
+        let mut stage = Stage::default();
+        let (x, z) = (Vec3::X, Vec3::Z);
+        stage.add("floor", rectangle(Vec3::ZERO, z, x), lambert(0.5));
+        let material = MaterialDescription {
+            is_double_sided,
+            ..emitter(1.0)
+        };
+        // Its front is up, away from the floor.
+        let lamp = rectangle(Vec3::new(0.7, 0.5, 0.0), z, x * 0.3);
+        stage.add("lamp", lamp, material);
+        let scene = stage.scene();
+        for &method in METHODS {
+            let film = |eye: Vec3, target: Vec3| {
+                Setup::seen_by(&scene, looking(eye, target), 16, 16)
+                    .by(method)
+                    .film(0, 8)
+            };
+            let above = film(Vec3::new(0.7, 0.9, 0.0), Vec3::X * 0.7);
+            assert!(!is_black(&above.layers()[0]), "{}: the front", method.id);
+            let below = film(Vec3::new(0.0, 0.4, 0.0), Vec3::new(0.7, 0.45, 0.0));
+            let [seen, lit] = [0, 1].map(|k| !is_black(&below.layers()[k]));
+            assert_eq!(seen, is_double_sided, "{}: the back is seen", method.id);
+            assert_eq!(lit, is_double_sided, "{}: the back lights", method.id);
+        }
+    }
+}
+
 /// A cut leaves out what is beyond it, and nothing else.
 #[test]
 fn depth_cut() {

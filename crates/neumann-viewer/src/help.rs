@@ -94,7 +94,7 @@ fn columns<'a>(groups: &[&'a str], n_columns: usize) -> Vec<Vec<&'a str>> {
         };
         let mut longer = column.clone();
         longer.push(group);
-        if !column.is_empty() && n_rows(&longer) > target + 2 && !is_last {
+        if !column.is_empty() && n_rows(&longer) > target + 4 && !is_last {
             columns.push(vec![group]);
         } else {
             *column = longer;

@@ -65,8 +65,18 @@ fn about(ui: &mut Ui, app: &App) {
     ui.add_space(GRID / 2.0);
     let statistics = open.scene.statistics();
     fact(ui, "triangles", &statistics.n_triangles.to_string());
-    let n_lights = statistics.n_area_lights + statistics.n_punctual_lights;
-    fact(ui, "lights", &n_lights.to_string());
+    fact(
+        ui,
+        "of them emissive",
+        &statistics.n_area_lights.to_string(),
+    );
+    if statistics.n_punctual_lights > 0 {
+        fact(
+            ui,
+            "punctual lights",
+            &statistics.n_punctual_lights.to_string(),
+        );
+    }
 }
 
 fn cameras(ui: &mut Ui, app: &mut App) {

@@ -128,7 +128,11 @@ pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize) -> Option<usize> {
 pub fn choice_row(ui: &mut Ui, name: &str, labels: &[&str], chosen: usize) -> Option<usize> {
     ui.add_space(GRID / 2.0);
     ui.label(name);
-    let natural: Vec<f32> = labels.iter().map(|l| segment_width(ui, l)).collect();
+    // Closer together than in a bar, so that five words fit a panel.
+    let natural: Vec<f32> = labels
+        .iter()
+        .map(|l| segment_width(ui, l) - 1.5 * GRID)
+        .collect();
     let room = ui.available_width() - 4.0;
     let total: f32 = natural.iter().sum();
     if total <= room {

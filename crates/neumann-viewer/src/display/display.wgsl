@@ -28,8 +28,7 @@ override TARGET_ENCODES: bool = false;
 @group(0) @binding(1) var left_texture: texture_2d<f32>;
 @group(0) @binding(2) var right_texture: texture_2d<f32>;
 @group(0) @binding(3) var maps: texture_2d<f32>;
-@group(0) @binding(4) var sharp: sampler;
-@group(0) @binding(5) var smoothly: sampler;
+@group(0) @binding(4) var smoothly: sampler;
 
 struct Corner {
     @builtin(position) position: vec4f,
@@ -43,12 +42,17 @@ fn cover(@builtin(vertex_index) index: u32) -> Corner {
     return Corner(vec4f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0), uv);
 }
 
+// The nearest texel. Loaded, not sampled: OpenGL allows a texture one sampler only.
+fn texel(at: vec2f, size: vec2u) -> vec2u {
+    return min(vec2u(max(at, vec2f(0.0)) * vec2f(size)), size - 1u);
+}
+
 fn left_radiance(uv: vec2f) -> vec3f {
     let at = look.left.xy + uv * look.left.zw;
     if IS_SMOOTH {
         return textureSampleLevel(left_texture, smoothly, at, 0.0).rgb * look.scale.x;
     }
-    return textureSampleLevel(left_texture, sharp, at, 0.0).rgb * look.scale.x;
+    return textureLoad(left_texture, texel(at, textureDimensions(left_texture)), 0).rgb * look.scale.x;
 }
 
 fn right_radiance(uv: vec2f) -> vec3f {
@@ -56,7 +60,7 @@ fn right_radiance(uv: vec2f) -> vec3f {
     if IS_SMOOTH {
         return textureSampleLevel(right_texture, smoothly, at, 0.0).rgb * look.scale.y;
     }
-    return textureSampleLevel(right_texture, sharp, at, 0.0).rgb * look.scale.y;
+    return textureLoad(right_texture, texel(at, textureDimensions(right_texture)), 0).rgb * look.scale.y;
 }
 
 // Rec. 709.

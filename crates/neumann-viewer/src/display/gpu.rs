@@ -95,7 +95,6 @@ pub struct FilmGpu {
     layout: wgpu::BindGroupLayout,
     looks: wgpu::Buffer,
     maps: wgpu::TextureView,
-    sharp: wgpu::Sampler,
     smooth: wgpu::Sampler,
     textures: [Texture; N_SLOTS],
     bind_groups: [[Option<wgpu::BindGroup>; N_SLOTS]; N_SLOTS],
@@ -121,16 +120,8 @@ impl FilmGpu {
                 entry(2, TEXTURE),
                 entry(3, TEXTURE),
                 entry(4, SAMPLER),
-                entry(5, SAMPLER),
             ],
         });
-        let sampler = |filter| {
-            device.create_sampler(&wgpu::SamplerDescriptor {
-                mag_filter: filter,
-                min_filter: filter,
-                ..wgpu::SamplerDescriptor::default()
-            })
-        };
         Self {
             shader: device.create_shader_module(wgpu::include_wgsl!("display.wgsl")),
             format,
@@ -143,8 +134,11 @@ impl FilmGpu {
                 mapped_at_creation: false,
             }),
             maps: maps(device, queue),
-            sharp: sampler(wgpu::FilterMode::Nearest),
-            smooth: sampler(wgpu::FilterMode::Linear),
+            smooth: device.create_sampler(&wgpu::SamplerDescriptor {
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..wgpu::SamplerDescriptor::default()
+            }),
             textures: std::array::from_fn(|_| texture(device, 1, 1)),
             bind_groups: Default::default(),
             largest: device.limits().max_texture_dimension_2d,
@@ -246,7 +240,6 @@ impl FilmGpu {
             resource(&self.textures[left].view),
             resource(&self.textures[right].view),
             resource(&self.maps),
-            wgpu::BindingResource::Sampler(&self.sharp),
             wgpu::BindingResource::Sampler(&self.smooth),
         ];
         let entries: Vec<_> = entries

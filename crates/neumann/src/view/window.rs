@@ -1,5 +1,6 @@
 //! From the command line to the window.
 
+use anyhow::anyhow;
 use neumann_core::render::StopRule;
 use neumann_viewer::{CameraOptions, EnvironmentOptions, Screenshot, ViewError, ViewOptions};
 
@@ -14,17 +15,21 @@ pub(crate) fn open(scene: &str) -> Result<(), NoWindow> {
         scene: scene.to_owned(),
         ..ViewOptions::default()
     };
-    neumann_viewer::run(options).map_err(|error| match error {
-        ViewError::NoDisplay(what) => NoWindow::Impossible(format!(
-            "no display to open a window on ({}); set DISPLAY or WAYLAND_DISPLAY",
-            one_line(&what)
-        )),
-        ViewError::NoAdapter(what) => NoWindow::Impossible(format!(
-            "no graphics adapter ({}); install a Vulkan driver (on Debian: apt install mesa-vulkan-drivers)",
-            one_line(&what)
-        )),
+    neumann_viewer::run(options).map_err(no_window)
+}
+
+/// What is missing, and the remedy; the libraries' own words are of no help to anybody here.
+fn no_window(error: ViewError) -> NoWindow {
+    match error {
+        ViewError::NoDisplay(_) => NoWindow::Impossible(
+            "no display to open a window on; set DISPLAY or WAYLAND_DISPLAY".to_owned(),
+        ),
+        ViewError::NoAdapter(_) => NoWindow::Impossible(
+            "no graphics adapter; install a Vulkan driver (on Debian: apt install mesa-vulkan-drivers)"
+                .to_owned(),
+        ),
         error @ ViewError::Other(_) => NoWindow::Failed(error.into()),
-    })
+    }
 }
 
 pub(crate) fn run(arguments: &ViewArguments) -> Outcome {
@@ -35,7 +40,12 @@ pub(crate) fn run(arguments: &ViewArguments) -> Outcome {
         }
         outputs::check(std::slice::from_ref(path))?;
     }
-    Ok(neumann_viewer::run(options(arguments)?)?)
+    neumann_viewer::run(options(arguments)?).map_err(|error| match no_window(error) {
+        NoWindow::Impossible(what) => {
+            anyhow!("{what}, or use 'neumann render' or 'neumann series'")
+        }
+        NoWindow::Failed(error) => error,
+    })
 }
 
 fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
@@ -93,8 +103,4 @@ fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
         screenshot,
         allow_outside: settings.load.allow_outside,
     })
-}
-
-fn one_line(text: &str) -> String {
-    text.lines().map(str::trim).collect::<Vec<_>>().join(" ")
 }

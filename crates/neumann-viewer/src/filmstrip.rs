@@ -166,9 +166,10 @@ fn tile_of(
         )
     };
     let image = Rect::from_min_max(image.min.round(), image.max.round());
-    painter.rect_filled(image, 0, egui::Color32::BLACK);
     let n_rows = 2 * picture.thumbnails.len();
-    if n_rows > 0 {
+    if n_rows == 0 {
+        painter.rect_filled(image, 0, egui::Color32::BLACK);
+    } else {
         let mut look = settings.look();
         let row = place + if is_sum { picture.thumbnails.len() } else { 0 };
         // Half a texel is left out above and below, so that neighbours do not shine in.

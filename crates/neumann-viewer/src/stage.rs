@@ -11,7 +11,7 @@ use neumann_core::transport::Tracer;
 
 use crate::app::App;
 use crate::display::image_area::{self, Pictures, Placement};
-use crate::display::{Slot, legend, values};
+use crate::display::{Slot, ground, legend, values};
 use crate::formula::Formula;
 use crate::probe::Reading;
 use crate::theme::{self, GRID, Palette};
@@ -88,7 +88,7 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
 /// Fills what the picture leaves of the stage.
 fn fill_around(ui: &Ui, rect: Rect, covered: Rect, color: egui::Color32) {
     if !covered.is_positive() {
-        ui.painter().rect_filled(rect, 0, color);
+        ground::fill(ui, rect, color);
         return;
     }
     let (a, b) = (covered.min, covered.max);
@@ -99,7 +99,7 @@ fn fill_around(ui: &Ui, rect: Rect, covered: Rect, color: egui::Color32) {
         Rect::from_min_max(pos2(b.x, a.y), pos2(rect.right(), b.y)),
     ] {
         if part.is_positive() {
-            ui.painter().rect_filled(part, 0, color);
+            ground::fill(ui, part, color);
         }
     }
 }

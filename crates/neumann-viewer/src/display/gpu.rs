@@ -6,6 +6,7 @@ use egui::PaintCallbackInfo;
 use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor, wgpu};
 use neumann_picture::false_colour::{ColourMap, diverging};
 
+use super::ground::GroundGpu;
 use super::planes::{N_SLOTS, Planes, Slot};
 
 /// The pictures, shared between the interface that fills them and the draw calls that upload them.
@@ -99,6 +100,7 @@ pub struct FilmGpu {
     textures: [Texture; N_SLOTS],
     bind_groups: [[Option<wgpu::BindGroup>; N_SLOTS]; N_SLOTS],
     largest: u32,
+    pub(super) ground: GroundGpu,
 }
 
 impl FilmGpu {
@@ -142,6 +144,7 @@ impl FilmGpu {
             textures: std::array::from_fn(|_| texture(device, 1, 1)),
             bind_groups: Default::default(),
             largest: device.limits().max_texture_dimension_2d,
+            ground: GroundGpu::new(device, format),
         }
     }
 

@@ -1,6 +1,7 @@
 //! How the film is looked at: everything here changes without rendering anew.
 
 mod gpu;
+pub mod ground;
 pub mod image_area;
 pub mod legend;
 mod planes;

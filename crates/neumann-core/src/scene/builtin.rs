@@ -59,9 +59,12 @@ impl Builtin {
     /// # Errors
     /// Never for the scenes as they come; the loader is the one for files.
     pub fn load(&self) -> Result<SceneDescription, LoadError> {
-        load::load_bytes(self.name, self.glb, &|uri| {
+        let mut description = load::load_bytes(self.name, self.glb, &|uri| {
             (uri == "sky.hdr").then(|| SKY.to_vec())
-        })
+        })?;
+        // The file's own name is a sentence on what it is there to show.
+        self.name.clone_into(&mut description.name);
+        Ok(description)
     }
 }
 

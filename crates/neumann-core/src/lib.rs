@@ -22,6 +22,7 @@
 //! | [`scene`] | files, their description, and the scene ready to trace |
 //! | [`transport`] | vertices, visibility, one integral of reflection |
 //! | [`film`] | contributions, layers by bounce, views |
+//! | [`photons`] | light vertices kept and found again by place |
 //! | [`integrator`] | the methods in lecture order, and their registry |
 //! | [`render`] | threads, streams, merge order; the loop behind a window |
 //!
@@ -62,4 +63,5 @@ pub mod transport;
 
 pub mod film;
 pub mod integrator;
+pub mod photons;
 pub mod render;

@@ -42,6 +42,18 @@ pub enum TransportMode {
     Importance,
 }
 
+impl TransportMode {
+    /// That of the same walk from its other end.
+    #[inline]
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        match self {
+            Self::Radiance => Self::Importance,
+            Self::Importance => Self::Radiance,
+        }
+    }
+}
+
 /// A direction drawn from a BSDF.
 #[derive(Clone, Copy, Debug)]
 pub struct BsdfSample {

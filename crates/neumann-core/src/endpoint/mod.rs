@@ -12,7 +12,7 @@
 mod camera;
 pub mod light;
 
-pub use camera::{Camera, CameraRay};
+pub use camera::{Camera, CameraRay, LensHit};
 pub use light::{Light, Lights};
 
 use glam::Vec3;
@@ -40,6 +40,34 @@ pub struct StartDensities {
     pub pdf_w: f32,
 }
 
+/// How the rays of one endpoint fan out over the scene: from one of its points, or, for an endpoint
+/// at infinity, in one of its directions.
+#[derive(Clone, Copy, Debug)]
+pub enum Spread {
+    /// All from one point: density of the direction, 1/sr.
+    Point {
+        /// 1/sr.
+        pdf_w: f32,
+    },
+    /// All in one direction: density of the position on a plane across it, 1/m².
+    Parallel {
+        /// 1/m².
+        pdf_a: f32,
+    },
+}
+
+impl Spread {
+    /// Density with which a ray gets to a point `distance` metres away, 1/m² across the ray.
+    #[inline]
+    #[must_use]
+    pub fn pdf_a_across(self, distance: f32) -> f32 {
+        match self {
+            Self::Point { pdf_w } => pdf_w / (distance * distance),
+            Self::Parallel { pdf_a } => pdf_a,
+        }
+    }
+}
+
 /// A ray started by an endpoint.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
@@ -57,6 +85,10 @@ pub struct Start {
     pub cos: f32,
     /// Densities of position and direction.
     pub densities: StartDensities,
+    /// How the rays fan out from here; the choice of the endpoint is not in it.
+    pub spread: Spread,
+    /// Triangle and barycentric coordinates of the position, if it is on a surface.
+    pub on_triangle: Option<(u32, [f32; 2])>,
     /// True where all rays start at one position.
     pub is_delta_position: bool,
     /// True where all rays have one direction.
@@ -83,4 +115,6 @@ pub struct Aim {
     pub surface: Option<SurfacePoint>,
     /// Densities with which the endpoint would have started the ray to x.
     pub start: StartDensities,
+    /// How the rays of the place aimed at fan out; the choice of the endpoint is not in it.
+    pub spread: Spread,
 }

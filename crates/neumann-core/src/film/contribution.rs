@@ -49,6 +49,28 @@ impl Strategy {
         }
     }
 
+    /// A light subpath of `s` vertices, the last of them on the lens, which it ran into.
+    #[inline]
+    #[must_use]
+    pub const fn lens(s: u16) -> Self {
+        Self {
+            s,
+            t: 0,
+            joint: Joint::Hit,
+        }
+    }
+
+    /// Subpaths of `s` and `t` vertices whose ends were taken for one point.
+    #[inline]
+    #[must_use]
+    pub const fn merge(s: u16, t: u16) -> Self {
+        Self {
+            s,
+            t,
+            joint: Joint::Merge,
+        }
+    }
+
     /// Subpaths of `s` and `t` vertices with a segment between them.
     #[inline]
     #[must_use]
@@ -83,5 +105,7 @@ mod tests {
     fn bounces_follow_from_the_technique() {
         assert_eq!(Strategy::hit(2).bounce(), 0, "a directly seen emitter");
         assert_eq!(Strategy::connect(1, 2).bounce(), 1, "direct illumination");
+        assert_eq!(Strategy::lens(3).bounce(), 1, "one bounce, then the lens");
+        assert_eq!(Strategy::merge(2, 2).bounce(), 1, "one point counted twice");
     }
 }

@@ -2,6 +2,19 @@
 
 use crate::radiometry::Rgb;
 
+/// What the photons of an iteration were like.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PhotonReport {
+    /// Radius within which they count, metres; 0 where nothing is merged.
+    pub radius: f32,
+    /// Light paths traced.
+    pub n_paths: usize,
+    /// Vertices stored.
+    pub n_vertices: usize,
+    /// Memory that they and their index take, bytes.
+    pub bytes: usize,
+}
+
 /// One iteration, layer by layer.
 #[derive(Clone, Debug)]
 pub struct Frame {
@@ -13,6 +26,8 @@ pub struct Frame {
     pub(crate) n_refused: u64,
     /// Rays traced.
     pub(crate) n_rays: u64,
+    /// What its photons were like, if it had any.
+    pub(crate) photons: Option<PhotonReport>,
 }
 
 impl Frame {
@@ -25,6 +40,7 @@ impl Frame {
             layers: vec![vec![Rgb::BLACK; width * height]; n_layers + 1],
             n_refused: 0,
             n_rays: 0,
+            photons: None,
         }
     }
 
@@ -58,6 +74,12 @@ impl Frame {
         self.n_rays
     }
 
+    /// What its photons were like, if it had any.
+    #[must_use]
+    pub fn photons(&self) -> Option<PhotonReport> {
+        self.photons
+    }
+
     /// Makes it black again and forgets its counts.
     pub(crate) fn clear(&mut self) {
         for layer in &mut self.layers {
@@ -65,5 +87,6 @@ impl Frame {
         }
         self.n_refused = 0;
         self.n_rays = 0;
+        self.photons = None;
     }
 }

@@ -10,12 +10,14 @@ pub mod contribution;
 pub mod features;
 mod film_of_frames;
 mod frame;
+pub mod techniques;
 pub mod view;
 
 pub use contribution::{Contribution, Joint, Strategy};
 pub use features::Features;
 pub use film_of_frames::{Film, FilmError};
-pub use frame::Frame;
+pub use frame::{Frame, PhotonReport};
+pub use techniques::{TechniqueFilm, TechniqueImage};
 pub use view::View;
 
 /// Number of bounce layers (the tail not counted) where nothing else is asked for.

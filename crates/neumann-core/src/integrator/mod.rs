@@ -3,12 +3,18 @@
 //! To add one: write a file here with its `METHOD` row, add a `mod` line and
 //! an entry to [`METHODS`]. Menus, command line and tests follow.
 
+pub mod bdpt;
+pub mod bidirectional;
 mod distributed;
+pub mod light_tracing;
 mod parameter;
 pub mod path_tracing;
+mod radius;
 mod shade;
+pub mod vcm;
 
 pub use parameter::{Parameter, ParameterError, ParameterKind, ParameterValues, Value};
+pub use radius::Radius;
 
 use crate::render::{Cancelled, Pass};
 use crate::scene::Scene;
@@ -51,6 +57,8 @@ pub struct Sight {
     pub punctual_lights: bool,
     /// Light by way of mirrors and smooth glass.
     pub delta_surfaces: bool,
+    /// Mirrors and smooth glass that the camera sees directly.
+    pub delta_to_camera: bool,
     /// On diffuse surfaces alone, the highest bounce that it computes; `None` for no limit.
     pub diffuse_bounces: Option<u32>,
     /// Shadows.
@@ -62,6 +70,7 @@ impl Sight {
     pub const FULL: Self = Self {
         punctual_lights: true,
         delta_surfaces: true,
+        delta_to_camera: true,
         diffuse_bounces: None,
         shadows: true,
     };
@@ -87,6 +96,9 @@ pub static METHODS: &[&Method] = &[
     &path_tracing::mis::METHOD,
     &distributed::METHOD,
     &shade::METHOD,
+    &light_tracing::METHOD,
+    &bdpt::METHOD,
+    &vcm::METHOD,
 ];
 
 /// The method where nothing else is asked for.

@@ -12,7 +12,7 @@ mod renderer;
 mod settings;
 
 pub use cancel::{CancelToken, Cancelled};
-pub use pass::{Pass, Sink};
+pub use pass::{Collected, LightNumbers, Pass, PixelSample, Sink};
 pub use pool::WorkerPool;
 pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule, Thumbnail};
 pub use renderer::Renderer;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{CancelToken, Cancelled, Pass, RenderSettings, WorkerPool};
 use crate::endpoint::Camera;
-use crate::film::Frame;
+use crate::film::{Frame, TechniqueFilm};
 use crate::integrator::Integrator;
 use crate::scene::Scene;
 
@@ -20,6 +20,7 @@ pub struct Renderer {
     integrator: Box<dyn Integrator>,
     next_iteration: u32,
     frame: Frame,
+    techniques: Option<TechniqueFilm>,
 }
 
 impl Renderer {
@@ -36,6 +37,7 @@ impl Renderer {
             integrator: (settings.method.build)(&settings.values),
             frame: Frame::new(settings.width, settings.height, settings.n_layers),
             next_iteration: first_iteration,
+            techniques: None,
             scene,
             settings,
             pool,
@@ -46,6 +48,20 @@ impl Renderer {
     #[must_use]
     pub fn settings(&self) -> &RenderSettings {
         &self.settings
+    }
+
+    /// Begins to keep techniques apart, `divisor` times smaller than the film, or ends it.
+    pub fn record_techniques(&mut self, divisor: Option<usize>) {
+        self.techniques = divisor.map(|divisor| {
+            let settings = &self.settings;
+            TechniqueFilm::new(settings.width, settings.height, divisor, settings.n_layers)
+        });
+    }
+
+    /// The techniques since [`Self::record_techniques`].
+    #[must_use]
+    pub fn techniques(&self) -> Option<&TechniqueFilm> {
+        self.techniques.as_ref()
     }
 
     /// Runs the next iteration and yields it.
@@ -60,9 +76,19 @@ impl Renderer {
             &self.settings,
             self.next_iteration,
             cancel,
+            self.techniques.as_mut(),
         );
         let (integrator, scene) = (&mut self.integrator, &*self.scene);
-        self.pool.run(|| integrator.iterate(scene, &mut pass))?;
+        if let Err(cancelled) = self.pool.run(|| integrator.iterate(scene, &mut pass)) {
+            // Records of an iteration that was cut short cannot be told from the others.
+            if let Some(techniques) = &mut self.techniques {
+                *techniques = techniques.emptied();
+            }
+            return Err(cancelled);
+        }
+        if let Some(techniques) = &mut self.techniques {
+            techniques.end_iteration();
+        }
         self.next_iteration += 1;
         Ok(&self.frame)
     }

@@ -14,6 +14,9 @@ pub struct Sampler {
     dimension: u32,
 }
 
+/// Numbers of paths from here on are those of shared sequences.
+const SHARED: u64 = 1 << 63;
+
 /// Dimensions kept for each bounce, so that what one bounce draws does not shift the next.
 const DIMENSIONS_PER_BOUNCE: u32 = 32;
 
@@ -27,6 +30,14 @@ impl Sampler {
             iteration,
             dimension: 0,
         }
+    }
+
+    /// Element number `index` of one sequence that many paths share: what one path draws stratifies what the
+    /// others draw, over as many of them as there are.
+    #[inline]
+    #[must_use]
+    pub fn of_sequence(seed: u64, index: u64) -> Self {
+        Self::new(seed, SHARED ^ (index >> 32), index as u32)
     }
 
     /// Goes to the dimensions of bounce `k`; those before are the camera's or the light's own.

@@ -7,4 +7,4 @@ mod vertex;
 
 pub use medium::Medium;
 pub use tracer::Tracer;
-pub use vertex::{SurfaceVertex, VertexSample};
+pub use vertex::{Densities, Scattering, SurfaceVertex, VertexSample};

@@ -33,6 +33,15 @@ pub fn light_sample(sampler: &mut Sampler) -> LightSample {
     }
 }
 
+/// Random numbers for starting a ray at a light.
+#[inline]
+pub fn start_sample(sampler: &mut Sampler) -> LightSample {
+    LightSample {
+        direction: sampler.next_2d(),
+        ..light_sample(sampler)
+    }
+}
+
 /// Aims at one light and looks whether it is seen; `None` if no light comes this way.
 #[inline]
 pub fn aim_at_light(

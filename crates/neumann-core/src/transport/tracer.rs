@@ -58,7 +58,7 @@ impl<'a> Tracer<'a> {
     #[inline]
     pub fn vertex(&mut self, ray: &Ray) -> Option<SurfaceVertex<'a>> {
         let hit = self.hit(ray)?;
-        Some(self.surface_vertex(ray, &hit))
+        Some(self.surface_vertex(-ray.direction, &hit))
     }
 
     /// The first surface that the ray meets; surfaces with alpha may let it pass.
@@ -89,6 +89,15 @@ impl<'a> Tracer<'a> {
         };
         // Ends closer to each other than they are well known see each other.
         ray.map_or(1.0, |ray| self.transmittance(&ray))
+    }
+
+    /// Share of light that gets from one point of a surface to another.
+    #[inline]
+    pub fn visibility_between(&mut self, from: &SurfacePoint, to: &SurfacePoint) -> f32 {
+        let towards = to.position - from.position;
+        let origin = offset_point(from.position, from.error, from.ng, towards);
+        let target = offset_point(to.position, to.error, to.ng, -towards);
+        segment(origin, target).map_or(1.0, |ray| self.transmittance(&ray))
     }
 
     /// Share of light that gets along the ray to its end.
@@ -142,7 +151,18 @@ impl<'a> Tracer<'a> {
         vertex.material.base_color(&attributes.inputs())
     }
 
-    fn surface_vertex(&self, ray: &Ray, hit: &Hit) -> SurfaceVertex<'a> {
+    /// The surface at barycentric coordinates of a triangle, seen from the direction `wo`; the distance is unknown, 0.
+    #[must_use]
+    pub fn surface_at(&self, triangle: u32, barycentrics: [f32; 2], wo: Vec3) -> SurfaceVertex<'a> {
+        let hit = Hit {
+            t: 0.0,
+            triangle,
+            barycentrics,
+        };
+        self.surface_vertex(wo, &hit)
+    }
+
+    fn surface_vertex(&self, wo: Vec3, hit: &Hit) -> SurfaceVertex<'a> {
         let (mesh, vertices) = self.scene.geometry().triangle(hit.triangle);
         let corners = mesh.corners(vertices);
         let ng = (corners[1] - corners[0])
@@ -166,7 +186,7 @@ impl<'a> Tracer<'a> {
                 ng,
             },
             frame: Frame::from_z(ns),
-            wo: -ray.direction,
+            wo,
             distance: hit.t,
             bsdf: material.bsdf(&attributes.inputs()),
             material,

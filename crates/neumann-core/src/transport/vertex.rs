@@ -49,6 +49,26 @@ pub struct VertexSample {
     pub is_delta: bool,
 }
 
+/// Densities of a pair of directions, each drawn given the other, 1/sr.
+#[derive(Clone, Copy, Debug)]
+pub struct Densities {
+    /// Of `wi` given `wo`.
+    pub forward: f32,
+    /// Of `wo` given `wi`.
+    pub reverse: f32,
+}
+
+/// What a vertex makes of a pair of directions.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattering {
+    /// `f · cos_i`, 1/sr, with the correction for shading normals.
+    pub f_cos: Rgb,
+    /// Density of `wi` given `wo`, 1/sr.
+    pub pdf_w_forward: f32,
+    /// Density of `wo` given `wi`, walked the other way, 1/sr.
+    pub pdf_w_reverse: f32,
+}
+
 impl VertexSample {
     /// `f cos / pdf`: what the step multiplies the throughput by.
     #[inline]
@@ -83,6 +103,54 @@ impl SurfaceVertex<'_> {
             self.frame.local_from_world(self.wo),
             self.frame.local_from_world(wi),
             mode,
+        )
+    }
+
+    /// `f · cos_i` with the densities either way, delta lobes not counted; `None` where nothing is scattered.
+    #[inline]
+    #[must_use]
+    pub fn scattering(&self, wi: Vec3, mode: TransportMode) -> Option<Scattering> {
+        if !self.sides_agree(wi) {
+            return None;
+        }
+        let wo_local = self.frame.local_from_world(self.wo);
+        let wi_local = self.frame.local_from_world(wi);
+        let f = self.bsdf.eval(wo_local, wi_local, mode);
+        if f.is_black() {
+            return None;
+        }
+        Some(Scattering {
+            f_cos: f * (wi_local.z.abs() * self.normal_correction(wi, mode)),
+            pdf_w_forward: self.bsdf.pdf_w(wo_local, wi_local, mode),
+            pdf_w_reverse: self.bsdf.pdf_w(wi_local, wo_local, mode.reversed()),
+        })
+    }
+
+    /// Densities of `wi` given `wo` and of `wo` given `wi`, delta lobes not counted.
+    #[inline]
+    #[must_use]
+    pub fn densities(&self, wi: Vec3) -> Densities {
+        let wo_local = self.frame.local_from_world(self.wo);
+        let wi_local = self.frame.local_from_world(wi);
+        let (mode, reversed) = (TransportMode::Radiance, TransportMode::Importance);
+        Densities {
+            forward: self.bsdf.pdf_w(wo_local, wi_local, mode),
+            reverse: self.bsdf.pdf_w(wi_local, wo_local, reversed),
+        }
+    }
+
+    /// Density, 1/sr, with which a walk the other way would have drawn `wo` where this one has drawn `sample`.
+    /// The probability of a delta lobe is the same from either of its directions.
+    #[inline]
+    #[must_use]
+    pub fn pdf_w_reverse(&self, sample: &VertexSample, mode: TransportMode) -> f32 {
+        if sample.is_delta {
+            return sample.pdf_w;
+        }
+        self.bsdf.pdf_w(
+            self.frame.local_from_world(sample.wi),
+            self.frame.local_from_world(self.wo),
+            mode.reversed(),
         )
     }
 

@@ -8,7 +8,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::{Aim, StartDensities};
+use super::{Aim, Spread, StartDensities};
 use crate::math::Ray;
 use crate::radiometry::Rgb;
 use crate::sampling::warp;
@@ -36,6 +36,28 @@ pub struct CameraRay {
     pub ray: Ray,
     /// Densities with which it was started, over the whole film.
     pub densities: StartDensities,
+    /// How the rays fan out from this point of the lens (or in this direction).
+    pub spread: Spread,
+    /// Cosine between the ray and the axis.
+    pub cos: f32,
+    /// True if no light could meet the camera by chance: a pinhole, or a single direction.
+    pub is_delta: bool,
+}
+
+/// Where light has met the lens by chance.
+#[derive(Clone, Copy, Debug)]
+pub struct LensHit {
+    /// The raster position that it falls on.
+    pub raster: Vec2,
+    /// Importance of the ray, multiplied by the number of pixels: a path that carries flux Φ here
+    /// adds Φ times this to its pixel.
+    pub importance: f32,
+    /// Distance along the ray, metres.
+    pub distance: f32,
+    /// Cosine between the ray and the axis.
+    pub cos: f32,
+    /// Densities with which the camera would have started the ray the other way.
+    pub start: StartDensities,
 }
 
 impl Camera {
@@ -69,6 +91,13 @@ impl Camera {
         }
     }
 
+    /// True if its lens has a size, so that light can meet it by chance.
+    #[inline]
+    #[must_use]
+    pub fn has_lens(&self) -> bool {
+        self.lens.is_some() && matches!(self.projection, Projection::Perspective { .. })
+    }
+
     /// View direction, unit.
     #[must_use]
     pub fn forward(&self) -> Vec3 {
@@ -96,6 +125,11 @@ impl Camera {
                     pdf_a: 1.0 / self.film_area(),
                     pdf_w: 1.0,
                 },
+                spread: Spread::Parallel {
+                    pdf_a: 1.0 / self.film_area(),
+                },
+                cos: 1.0,
+                is_delta: true,
             },
             Projection::Perspective { .. } => {
                 let through = self.right * film.x + self.up * film.y + self.forward;
@@ -109,12 +143,17 @@ impl Camera {
                     }
                 };
                 let direction = towards.normalize();
+                let cos = direction.dot(self.forward);
+                let pdf_w = self.pdf_w(cos);
                 CameraRay {
                     ray: Ray::new(origin, direction),
                     densities: StartDensities {
                         pdf_a: 1.0 / self.lens_area(),
-                        pdf_w: self.pdf_w(direction.dot(self.forward)),
+                        pdf_w,
                     },
+                    spread: Spread::Point { pdf_w },
+                    cos,
+                    is_delta: self.lens.is_none(),
                 }
             }
         }
@@ -144,14 +183,12 @@ impl Camera {
                     cos_at_endpoint: 1.0,
                     surface: None,
                     start: StartDensities { pdf_a, pdf_w: 1.0 },
+                    spread: Spread::Parallel { pdf_a },
                 },
                 raster,
             ));
         }
-        let on_lens = match self.lens {
-            None => Vec2::ZERO,
-            Some(lens) => warp::disk(u) * (0.5 * lens.aperture),
-        };
+        let on_lens = self.lens_point(u);
         let origin = self.position + self.right * on_lens.x + self.up * on_lens.y;
         let to_x = x - origin;
         let distance = to_x.length();
@@ -183,8 +220,68 @@ impl Camera {
                 pdf_a,
                 pdf_w: pdf_w_start,
             },
+            spread: Spread::Point { pdf_w: pdf_w_start },
         };
         Some((aim, raster))
+    }
+
+    /// Looks into `direction` (unit, away from the camera), to infinity: yields the ray from the point
+    /// of the lens that `u` chooses, its raster position, and the importance over the density of that
+    /// point, per steradian and multiplied by the number of pixels. `None` if the direction is outside of
+    /// the picture, and for an orthographic camera, which sees single directions only.
+    #[must_use]
+    pub fn look(&self, direction: Vec3, u: [f32; 2]) -> Option<(Ray, Vec2, f32)> {
+        if matches!(self.projection, Projection::Orthographic { .. }) {
+            return None;
+        }
+        let cos = direction.dot(self.forward);
+        if cos <= 1e-6 {
+            return None;
+        }
+        let on_lens = self.lens_point(u);
+        let raster = self.raster_of(on_lens, direction)?;
+        let origin = self.position + self.right * on_lens.x + self.up * on_lens.y;
+        let importance = self.width * self.height * self.pdf_w(cos);
+        Some((Ray::new(origin, direction), raster, importance))
+    }
+
+    /// Where a ray that light travels along meets a lens of finite size, before `t_max`, from the front.
+    #[must_use]
+    pub fn hit_lens(&self, ray: &Ray, t_max: f32) -> Option<LensHit> {
+        let lens = self.lens.filter(|_| self.has_lens())?;
+        let cos = -ray.direction.dot(self.forward);
+        if cos <= 1e-6 {
+            return None;
+        }
+        let distance = (ray.origin - self.position).dot(self.forward) / cos;
+        if distance <= 0.0 || distance >= t_max {
+            return None;
+        }
+        let from_middle = ray.at(distance) - self.position;
+        let on_lens = Vec2::new(from_middle.dot(self.right), from_middle.dot(self.up));
+        if on_lens.length() > 0.5 * lens.aperture {
+            return None;
+        }
+        let raster = self.raster_of(on_lens, -ray.direction)?;
+        let start = StartDensities {
+            pdf_a: 1.0 / self.lens_area(),
+            pdf_w: self.pdf_w(cos),
+        };
+        Some(LensHit {
+            raster,
+            importance: self.width * self.height * start.pdf_w * start.pdf_a / cos,
+            distance,
+            cos,
+            start,
+        })
+    }
+
+    #[inline]
+    fn lens_point(&self, u: [f32; 2]) -> Vec2 {
+        match self.lens {
+            None => Vec2::ZERO,
+            Some(lens) => warp::disk(u) * (0.5 * lens.aperture),
+        }
     }
 
     /// The point of the raster that a point in the world is seen at through the middle of the lens, if any.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::LightSample;
-use crate::endpoint::{Aim, Start, StartDensities, SurfacePoint};
+use crate::endpoint::{Aim, Spread, Start, StartDensities, SurfacePoint};
 use crate::material::Texture;
 use crate::math::Frame;
 use crate::radiometry::Rgb;
@@ -201,6 +201,7 @@ impl AreaLight {
         if value.is_black() {
             return None;
         }
+        let pdf_w_start = self.pdf_w_start(-wi);
         Some(Aim {
             wi,
             distance,
@@ -215,8 +216,9 @@ impl AreaLight {
             }),
             start: StartDensities {
                 pdf_a,
-                pdf_w: self.pdf_w_start(-wi),
+                pdf_w: pdf_w_start,
             },
+            spread: Spread::Point { pdf_w: pdf_w_start },
         })
     }
 
@@ -243,6 +245,8 @@ impl AreaLight {
             value,
             cos: self.ng.dot(direction).abs(),
             densities: StartDensities { pdf_a, pdf_w },
+            spread: Spread::Point { pdf_w },
+            on_triangle: Some((self.triangle, barycentrics)),
             is_delta_position: false,
             is_delta_direction: false,
         })

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::{Bounds, disk_pdf_a, position_before_scene};
-use crate::endpoint::{Aim, Start, StartDensities};
+use crate::endpoint::{Aim, Spread, Start, StartDensities};
 use crate::radiometry::Rgb;
 use crate::sampling::discrete::Grid2;
 use crate::scene::description::EnvironmentDescription;
@@ -125,6 +125,9 @@ impl EnvironmentLight {
                 pdf_a: disk_pdf_a(bounds),
                 pdf_w,
             },
+            spread: Spread::Parallel {
+                pdf_a: disk_pdf_a(bounds),
+            },
         })
     }
 
@@ -147,6 +150,10 @@ impl EnvironmentLight {
                 pdf_a: disk_pdf_a(bounds),
                 pdf_w,
             },
+            spread: Spread::Parallel {
+                pdf_a: disk_pdf_a(bounds),
+            },
+            on_triangle: None,
             is_delta_position: false,
             is_delta_direction: false,
         })

@@ -105,6 +105,12 @@ impl Lights {
         &self.lights
     }
 
+    /// The sphere that holds the scene.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
     /// Probability of choosing a light.
     #[must_use]
     pub fn pmf(&self, light: usize) -> f32 {

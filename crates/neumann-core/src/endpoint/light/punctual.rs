@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::{Bounds, disk_pdf_a, position_before_scene};
-use crate::endpoint::{Aim, Start, StartDensities};
+use crate::endpoint::{Aim, Spread, Start, StartDensities};
 use crate::math::Frame;
 use crate::radiometry::Rgb;
 use crate::sampling::warp;
@@ -120,6 +120,9 @@ impl DirectionalLight {
                 pdf_a: disk_pdf_a(bounds),
                 pdf_w: 1.0,
             },
+            spread: Spread::Parallel {
+                pdf_a: disk_pdf_a(bounds),
+            },
         }
     }
 
@@ -135,6 +138,10 @@ impl DirectionalLight {
                 pdf_a: disk_pdf_a(bounds),
                 pdf_w: 1.0,
             },
+            spread: Spread::Parallel {
+                pdf_a: disk_pdf_a(bounds),
+            },
+            on_triangle: None,
             is_delta_position: false,
             is_delta_direction: true,
         }
@@ -167,6 +174,7 @@ fn aim_at_point(
             pdf_a: 1.0,
             pdf_w: pdf_w_start,
         },
+        spread: Spread::Point { pdf_w: pdf_w_start },
     })
 }
 
@@ -179,6 +187,8 @@ fn start_at_point(position: Vec3, direction: Vec3, intensity: Rgb, pdf_w: f32) -
         value: intensity,
         cos: 1.0,
         densities: StartDensities { pdf_a: 1.0, pdf_w },
+        spread: Spread::Point { pdf_w },
+        on_triangle: None,
         is_delta_position: true,
         is_delta_direction: false,
     }

@@ -31,8 +31,7 @@ pub static METHOD: Method = Method {
     sight: Sight {
         punctual_lights: false,
         delta_surfaces: false,
-        diffuse_bounces: None,
-        shadows: true,
+        ..Sight::FULL
     },
     bias: None,
     parameters: &[],

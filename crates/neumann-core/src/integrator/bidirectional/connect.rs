@@ -1,0 +1,248 @@
+//! The ways to join a light subpath and a camera subpath: run into the other end, aim at it, or
+//! connect two vertices. Each yields a contribution with its weight, visibility asked last.
+
+use super::weights::{EndDensities, JointDensities};
+use super::{Vertex, Walk, Weighing};
+use crate::bsdf::TransportMode;
+use crate::endpoint::light::LightSample;
+use crate::endpoint::{Aim, Camera, Start, StartDensities, SurfacePoint};
+use crate::film::{Contribution, Strategy};
+use crate::radiometry::Rgb;
+use crate::transport::Tracer;
+use glam::Vec2;
+
+/// s = 0: the camera subpath has met an emitter. Seen directly, no other technique competes.
+#[inline]
+pub fn hit_emitter(
+    tracer: &Tracer<'_>,
+    vertex: &Vertex<'_>,
+    weighing: &Weighing,
+) -> Option<Contribution> {
+    let emitted = tracer.emitted(&vertex.surface);
+    if emitted.is_black() {
+        return None;
+    }
+    let lights = tracer.scene.lights();
+    let (index, light) = lights.of_triangle(vertex.surface.triangle)?;
+    let mis_weight = if vertex.n_vertices == 2 {
+        1.0
+    } else {
+        let pdf_a = lights.pmf(index) * light.pdf_a(vertex.surface.barycentrics);
+        let start = StartDensities {
+            pdf_a,
+            pdf_w: light.pdf_w_start(vertex.surface.wo),
+        };
+        weighing.hit(vertex.partial, pdf_a, start)
+    };
+    Some(contribution(
+        vertex.throughput * emitted,
+        mis_weight,
+        Strategy::hit(vertex.n_vertices),
+    ))
+}
+
+/// s = 0: the camera subpath has left the scene for the environment.
+#[inline]
+pub fn hit_environment(
+    tracer: &Tracer<'_>,
+    walk: &Walk,
+    weighing: &Weighing,
+) -> Option<Contribution> {
+    let lights = tracer.scene.lights();
+    let radiance = lights.environment_radiance(walk.ray.direction);
+    if radiance.is_black() {
+        return None;
+    }
+    let mis_weight = if walk.n_vertices == 1 {
+        1.0
+    } else {
+        let (pdf_aim, start) = lights.environment_densities(walk.ray.direction);
+        weighing.hit(walk.partial, pdf_aim, start)
+    };
+    Some(contribution(
+        walk.throughput * radiance,
+        mis_weight,
+        Strategy::hit(walk.n_vertices + 1),
+    ))
+}
+
+/// s = 1: a light is aimed at from a camera vertex.
+#[inline]
+pub fn next_event(
+    tracer: &mut Tracer<'_>,
+    vertex: &Vertex<'_>,
+    u: &LightSample,
+    weighing: &Weighing,
+) -> Option<Contribution> {
+    let surface = &vertex.surface;
+    let aim = tracer.scene.lights().aim(surface.point.position, u)?;
+    let scattering = surface.scattering(aim.wi, TransportMode::Radiance)?;
+    let joint = EndDensities {
+        forward: scattering.pdf_w_forward,
+        reverse: scattering.pdf_w_reverse,
+        cos: surface.cos_g(aim.wi),
+    };
+    let mis_weight = weighing.next_event(vertex.partial, &aim, &joint);
+    let value = vertex.throughput * scattering.f_cos * aim.value / aim.pdf_w;
+    let value = value * seen(tracer, vertex, &aim)?;
+    Some(contribution(
+        value,
+        mis_weight,
+        Strategy::connect(1, vertex.n_vertices),
+    ))
+}
+
+/// t = 1: the lens is aimed at from a light vertex; `n_light_paths` subpaths share the image.
+#[inline]
+pub fn splat(
+    tracer: &mut Tracer<'_>,
+    camera: &Camera,
+    vertex: &Vertex<'_>,
+    u: [f32; 2],
+    n_light_paths: usize,
+    weighing: &Weighing,
+) -> Option<(Vec2, Contribution)> {
+    let surface = &vertex.surface;
+    let (aim, raster) = camera.aim(surface.point.position, u)?;
+    let scattering = surface.scattering(aim.wi, TransportMode::Importance)?;
+    let joint = EndDensities {
+        forward: scattering.pdf_w_forward,
+        reverse: scattering.pdf_w_reverse,
+        cos: surface.cos_g(aim.wi),
+    };
+    let mis_weight = weighing.splat(vertex.partial, &aim, &joint);
+    let value = vertex.throughput * scattering.f_cos * aim.value / aim.pdf_w;
+    let value = value * seen(tracer, vertex, &aim)? / n_light_paths as f32;
+    let strategy = Strategy::connect(vertex.n_vertices, 1);
+    Some((raster, contribution(value, mis_weight, strategy)))
+}
+
+/// t = 0: a light subpath meets a lens of finite size on its way to its next vertex, or out of the scene.
+pub fn hit_lens(
+    camera: &Camera,
+    walk: &Walk,
+    next: Option<&Vertex<'_>>,
+    n_light_paths: usize,
+    weighing: &Weighing,
+) -> Option<(Vec2, Contribution)> {
+    let distance = next.map_or(f32::INFINITY, |vertex| vertex.surface.distance);
+    // The light itself, seen directly, is left to the camera.
+    if walk.n_vertices < 2 {
+        return None;
+    }
+    let lens = camera.hit_lens(&walk.ray, distance)?;
+    let distance_squared = lens.distance * lens.distance;
+    let partial = weighing.arrive(walk.partial, distance_squared, lens.cos);
+    let mis_weight = weighing.lens(partial, &lens);
+    let value = walk.throughput
+        * walk.medium.transmittance(lens.distance)
+        * (lens.importance / n_light_paths as f32);
+    let strategy = Strategy::lens(walk.n_vertices + 1);
+    Some((lens.raster, contribution(value, mis_weight, strategy)))
+}
+
+/// s ≥ 2, t ≥ 2: a segment between two vertices.
+#[inline]
+pub fn connect(
+    tracer: &mut Tracer<'_>,
+    camera: &Vertex<'_>,
+    light: &Vertex<'_>,
+    weighing: &Weighing,
+) -> Option<Contribution> {
+    let from = &camera.surface;
+    let to = &light.surface;
+    let apart = to.point.position - from.point.position;
+    let distance_squared = apart.length_squared();
+    if distance_squared <= 0.0 {
+        return None;
+    }
+    let distance = distance_squared.sqrt();
+    let wi = apart / distance;
+    let at_camera = from.scattering(wi, TransportMode::Radiance)?;
+    let at_light = to.scattering(-wi, TransportMode::Importance)?;
+    let joint = JointDensities {
+        camera_forward: at_camera.pdf_w_forward,
+        camera_reverse: at_camera.pdf_w_reverse,
+        light_forward: at_light.pdf_w_forward,
+        light_reverse: at_light.pdf_w_reverse,
+        camera_cos: from.cos_g(wi),
+        light_cos: to.cos_g(wi),
+        distance_squared,
+    };
+    let mis_weight = weighing.connect(camera.partial, light.partial, &joint);
+    let value =
+        camera.throughput * at_camera.f_cos * at_light.f_cos * light.throughput / distance_squared;
+    let share = tracer.visibility_between(&from.point, &to.point);
+    if share <= 0.0 {
+        return None;
+    }
+    let through = camera.medium.beyond(from, wi).transmittance(distance);
+    Some(contribution(
+        value * through * share,
+        mis_weight,
+        Strategy::connect(light.n_vertices, camera.n_vertices),
+    ))
+}
+
+/// Share of light that gets from a vertex to what it aims at; `None` for none.
+#[inline]
+fn seen(tracer: &mut Tracer<'_>, vertex: &Vertex<'_>, aim: &Aim) -> Option<Rgb> {
+    let share = tracer.visibility(&vertex.surface.point, aim);
+    if share <= 0.0 {
+        return None;
+    }
+    let through = vertex.medium.beyond(&vertex.surface, aim.wi);
+    Some(through.transmittance(aim.distance) * share)
+}
+
+#[inline]
+fn contribution(value: Rgb, mis_weight: f32, strategy: Strategy) -> Contribution {
+    Contribution {
+        value,
+        mis_weight,
+        bounce: strategy.bounce(),
+        strategy,
+    }
+}
+
+/// t = 1, s = 1: what a light emits towards the lens, seen directly. `None` for lights without extent.
+pub fn see_light(
+    tracer: &mut Tracer<'_>,
+    camera: &Camera,
+    start: &Start,
+    u: [f32; 2],
+    n_light_paths: usize,
+) -> Option<(Vec2, Contribution)> {
+    let lights = tracer.scene.lights();
+    let (raster, value) = if let Some((triangle, barycentrics)) = start.on_triangle {
+        let (_, light) = lights.of_triangle(triangle)?;
+        let (aim, raster) = camera.aim(start.position, u)?;
+        let radiance = light.radiance(barycentrics, aim.wi);
+        if radiance.is_black() {
+            return None;
+        }
+        let point = SurfacePoint {
+            position: start.position,
+            error: start.error,
+            ng: start.ng,
+        };
+        let cos = start.ng.dot(aim.wi).abs();
+        let value = radiance * aim.value * (cos / (start.densities.pdf_a * aim.pdf_w));
+        (raster, value * tracer.visibility(&point, &aim))
+    } else if start.is_delta_position || start.is_delta_direction {
+        return None;
+    } else {
+        let towards = -start.direction;
+        let (ray, raster, importance) = camera.look(towards, u)?;
+        // The probability of choosing this light is in the density of its position, with that of the
+        // disk across the scene, which plays no part here.
+        let (pdf_w, _) = lights.environment_densities(towards);
+        let value = start.value * (importance / pdf_w);
+        (raster, value * tracer.transmittance(&ray))
+    };
+    let strategy = Strategy::connect(1, 1);
+    (!value.is_black()).then(|| {
+        let contribution = contribution(value / n_light_paths as f32, 1.0, strategy);
+        (raster, contribution)
+    })
+}

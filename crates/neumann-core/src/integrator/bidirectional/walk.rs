@@ -1,0 +1,170 @@
+//! A subpath, vertex by vertex, from either end.
+//!
+//! One step is one application of T, whichever way it is walked: importance goes from the lights
+//! as radiance comes from the camera ([Veach 1997] 4.5), so there is one walk for both.
+
+use glam::Vec2;
+
+use super::{Partial, Weighing};
+use crate::bsdf::TransportMode;
+use crate::endpoint::{Camera, Spread, Start};
+use crate::math::Ray;
+use crate::math::ray::offset_point;
+use crate::photons::Photon;
+use crate::radiometry::Rgb;
+use crate::sampling::{Sampler, roulette};
+use crate::transport::{Medium, SurfaceVertex, Tracer};
+
+/// A vertex of a subpath, on a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex<'a> {
+    /// The surface there.
+    pub surface: SurfaceVertex<'a>,
+    /// Throughput of the subpath up to here, scattering not included; with the light's power, for one from a light.
+    pub throughput: Rgb,
+    /// What the weights need to know of the subpath.
+    pub partial: Partial,
+    /// What the subpath came through.
+    pub medium: Medium,
+    /// Vertices of the subpath, this one and the endpoint included.
+    pub n_vertices: u16,
+}
+
+impl Vertex<'_> {
+    /// The vertex of a light's walk as a photon.
+    #[must_use]
+    pub fn photon(&self) -> Photon {
+        Photon {
+            position: self.surface.point.position,
+            ng: self.surface.point.ng,
+            wo: self.surface.wo,
+            power: self.throughput,
+            n_vertices: self.n_vertices,
+        }
+    }
+}
+
+/// A subpath on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct Walk {
+    mode: TransportMode,
+    /// The segment that comes next.
+    pub ray: Ray,
+    /// Throughput along it.
+    pub throughput: Rgb,
+    /// Throughput at the start, for the roulette.
+    initial: f32,
+    /// The running quantities, without the geometry of the next segment.
+    pub partial: Partial,
+    /// What the next segment runs through.
+    pub medium: Medium,
+    /// Vertices so far.
+    pub n_vertices: u16,
+    comes_from_infinity: bool,
+    /// True while every direction was drawn from a delta lobe.
+    pub is_specular: bool,
+}
+
+impl Walk {
+    /// A subpath that starts at a point of the raster, and of the lens.
+    #[inline]
+    #[must_use]
+    pub fn from_camera(camera: &Camera, raster: Vec2, u: [f32; 2], weighing: &Weighing) -> Self {
+        let start = camera.ray(raster, u);
+        Self {
+            mode: TransportMode::Radiance,
+            ray: start.ray,
+            throughput: Rgb::WHITE,
+            initial: 1.0,
+            partial: weighing.of_camera(&start),
+            medium: Medium::VACUUM,
+            n_vertices: 1,
+            comes_from_infinity: matches!(start.spread, Spread::Parallel { .. }),
+            is_specular: true,
+        }
+    }
+
+    /// A subpath that starts at a light.
+    #[must_use]
+    pub fn from_light(start: &Start, weighing: &Weighing) -> Self {
+        let densities = start.densities;
+        let throughput = start.value * (start.cos / (densities.pdf_a * densities.pdf_w));
+        let origin = offset_point(start.position, start.error, start.ng, start.direction);
+        Self {
+            mode: TransportMode::Importance,
+            ray: Ray::new(origin, start.direction),
+            throughput,
+            initial: throughput.max_channel(),
+            partial: weighing.of_light(start),
+            medium: Medium::VACUUM,
+            n_vertices: 1,
+            comes_from_infinity: matches!(start.spread, Spread::Parallel { .. }),
+            is_specular: true,
+        }
+    }
+
+    /// Goes along the segment to the next vertex; `None` where it leaves the scene.
+    #[inline]
+    pub fn meet<'a>(&mut self, tracer: &mut Tracer<'a>, weighing: &Weighing) -> Option<Vertex<'a>> {
+        let surface = tracer.vertex(&self.ray)?;
+        self.throughput *= self.medium.transmittance(surface.distance);
+        let d2 = if self.comes_from_infinity {
+            1.0
+        } else {
+            surface.distance * surface.distance
+        };
+        self.partial = weighing.arrive(self.partial, d2, surface.cos_g(surface.wo));
+        self.comes_from_infinity = false;
+        self.n_vertices += 1;
+        Some(Vertex {
+            surface,
+            throughput: self.throughput,
+            partial: self.partial,
+            medium: self.medium,
+            n_vertices: self.n_vertices,
+        })
+    }
+
+    /// Scattering events that lead to the latest vertex.
+    #[inline]
+    #[must_use]
+    pub fn bounce(&self) -> u32 {
+        u32::from(self.n_vertices) - 2
+    }
+
+    /// Draws a direction and leaves the vertex; false where the subpath ends.
+    #[inline]
+    pub fn scatter(
+        &mut self,
+        vertex: &Vertex<'_>,
+        sampler: &mut Sampler,
+        has_roulette: bool,
+        weighing: &Weighing,
+    ) -> bool {
+        let bounce = self.bounce();
+        let [a, b] = sampler.next_2d();
+        let u = [sampler.next_1d(), a, b];
+        let Some(sample) = vertex.surface.sample(u, self.mode) else {
+            return false;
+        };
+        self.throughput *= sample.throughput();
+        if has_roulette && bounce >= roulette::FIRST_BOUNCE {
+            let survival = roulette::survival(self.throughput / self.initial);
+            if sampler.next_1d() >= survival {
+                return false;
+            }
+            self.throughput *= 1.0 / survival;
+        }
+        self.partial = weighing.scatter(
+            self.partial,
+            vertex.surface.cos_g(sample.wi),
+            sample.pdf_w,
+            vertex.surface.pdf_w_reverse(&sample, self.mode),
+            sample.is_delta,
+        );
+        self.is_specular &= sample.is_delta;
+        self.medium = self.medium.beyond(&vertex.surface, sample.wi);
+        self.ray = vertex.surface.ray(sample.wi);
+        true
+    }
+}

@@ -1,0 +1,154 @@
+//! Points found by place: a grid of cells as wide as twice the radius, hashed into a table.
+//!
+//! A ball of the radius meets at most 2×2×2 cells. Points of a cell lie side by side, in the order
+//! in which they were given, so that sums over them have the same bits for any number of threads.
+
+use glam::{IVec3, Vec3};
+use rayon::prelude::*;
+
+/// An index over points.
+#[derive(Clone, Debug)]
+pub struct HashGrid {
+    radius: f32,
+    cells_per_metre: f32,
+    mask: u32,
+    /// `starts[bucket]..starts[bucket + 1]`: its entries.
+    starts: Vec<u32>,
+    entries: Vec<Entry>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Entry {
+    position: Vec3,
+    index: u32,
+}
+
+impl HashGrid {
+    /// An index over `points`, each of whose position `position` tells, for searches within `radius`, metres.
+    #[must_use]
+    pub fn new<T: Sync>(points: &[T], radius: f32, position: impl Fn(&T) -> Vec3 + Sync) -> Self {
+        let n_buckets = points.len().next_power_of_two().max(16);
+        let mut grid = Self {
+            radius,
+            cells_per_metre: 0.5 / radius,
+            mask: n_buckets as u32 - 1,
+            starts: vec![0; n_buckets + 1],
+            entries: vec![Entry::default(); points.len()],
+        };
+        let buckets: Vec<u32> = points
+            .par_iter()
+            .with_min_len(4096)
+            .map(|point| grid.bucket(grid.cell(position(point))))
+            .collect();
+        for bucket in &buckets {
+            grid.starts[*bucket as usize + 1] += 1;
+        }
+        let mut sum = 0;
+        for start in &mut grid.starts {
+            sum += *start;
+            *start = sum;
+        }
+        // Each bucket's start is moved to its end while it is filled, and all back by one place after it.
+        for (index, bucket) in buckets.iter().enumerate() {
+            let place = &mut grid.starts[*bucket as usize];
+            grid.entries[*place as usize] = Entry {
+                position: position(&points[index]),
+                index: index as u32,
+            };
+            *place += 1;
+        }
+        grid.starts.rotate_right(1);
+        grid.starts[0] = 0;
+        grid
+    }
+
+    /// Memory that it takes, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.starts.as_slice()) + size_of_val(self.entries.as_slice())
+    }
+
+    /// Calls `found` with the index and the squared distance of each point within the radius of `x`.
+    #[inline]
+    pub fn for_each_near(&self, x: Vec3, mut found: impl FnMut(usize, f32)) {
+        let base = (x * self.cells_per_metre - 0.5).floor().as_ivec3();
+        let radius_squared = self.radius * self.radius;
+        let mut seen = [u32::MAX; 8];
+        for corner in 0..8usize {
+            let offset = IVec3::new(
+                (corner & 1) as i32,
+                (corner >> 1 & 1) as i32,
+                (corner >> 2) as i32,
+            );
+            let bucket = self.bucket(base.wrapping_add(offset));
+            // Two cells may share a bucket, which must not be searched twice.
+            if seen[..corner].contains(&bucket) {
+                continue;
+            }
+            seen[corner] = bucket;
+            let (start, end) = (
+                self.starts[bucket as usize],
+                self.starts[bucket as usize + 1],
+            );
+            for entry in &self.entries[start as usize..end as usize] {
+                let distance_squared = entry.position.distance_squared(x);
+                if distance_squared < radius_squared {
+                    found(entry.index as usize, distance_squared);
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn cell(&self, x: Vec3) -> IVec3 {
+        (x * self.cells_per_metre).floor().as_ivec3()
+    }
+
+    /// The hash of Teschner et al. 2003, "Optimized Spatial Hashing for Collision Detection of Deformable Objects",
+    /// with its high bits folded in.
+    #[inline]
+    fn bucket(&self, cell: IVec3) -> u32 {
+        let h = (cell.x as u32).wrapping_mul(73_856_093)
+            ^ (cell.y as u32).wrapping_mul(19_349_663)
+            ^ (cell.z as u32).wrapping_mul(83_492_791);
+        (h ^ (h >> 15)) & self.mask
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::HashGrid;
+    use crate::sampling::Sampler;
+
+    #[test]
+    fn finds_what_is_near_once_and_nothing_else() {
+        let points: Vec<Vec3> = (0..5000)
+            .map(|i| {
+                let mut sampler = Sampler::new(3, i, 0);
+                let [x, y] = sampler.next_2d();
+                Vec3::new(x, y, sampler.next_1d()) * 4.0 - 2.0
+            })
+            .collect();
+        for radius in [0.01, 0.2, 1.5] {
+            let grid = HashGrid::new(&points, radius, |p| *p);
+            for x in points.iter().step_by(37) {
+                let x = *x + 0.3 * radius;
+                let mut found = Vec::new();
+                grid.for_each_near(x, |i, _| found.push(i));
+                found.sort_unstable();
+                let near = |p: &Vec3| p.distance_squared(x) < radius * radius;
+                let expected: Vec<usize> =
+                    (0..points.len()).filter(|i| near(&points[*i])).collect();
+                assert_eq!(found, expected, "radius {radius}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_empty_grid_finds_nothing() {
+        let grid = HashGrid::new(&[] as &[Vec3], 0.1, |p| *p);
+        grid.for_each_near(Vec3::ZERO, |_, _| panic!("there is nothing"));
+    }
+}

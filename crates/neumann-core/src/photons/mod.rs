@@ -1,0 +1,50 @@
+//! Photons: vertices of light paths, kept where they landed, and found again by place.
+//!
+//! The radiance that a surface scatters is estimated from the photons around a point,
+//! `L(x, wo) ≈ Σ f(wo, w_j) Φ_j K(|x - x_j|)` (Jensen 2001, ch. 7), with a kernel K that integrates to one
+//! over a disk.
+
+mod hash_grid;
+mod kernel;
+
+pub use hash_grid::HashGrid;
+pub use kernel::Kernel;
+
+use glam::Vec3;
+
+use crate::bsdf::TransportMode;
+use crate::radiometry::Rgb;
+use crate::transport::SurfaceVertex;
+
+/// A vertex of a light path, small enough to be kept by the million.
+#[derive(Clone, Copy, Debug)]
+pub struct Photon {
+    /// Where it landed, world space.
+    pub position: Vec3,
+    /// Geometric normal there, unit.
+    pub ng: Vec3,
+    /// Direction to where it came from, unit.
+    pub wo: Vec3,
+    /// Power, W, as if the whole scene had been lit by its path alone.
+    pub power: Rgb,
+    /// Vertices of its path, this one and the light included.
+    pub n_vertices: u16,
+}
+
+/// Photons whose surface is turned by more than this against the surface asked are on another one: cosine.
+const SAME_SURFACE: f32 = 0.7;
+
+impl Photon {
+    /// `f(wo, w_j) Φ_j` at a point that the photon is taken to have hit, to be multiplied by a kernel; `None` if it
+    /// belongs to another surface or nothing is scattered. Power per area is irradiance under the geometric normal,
+    /// so that the BSDF's cosine with the shading normal is divided by that ([Veach 1997] 5.3).
+    #[inline]
+    #[must_use]
+    pub fn scattered(&self, at: &SurfaceVertex<'_>) -> Option<Rgb> {
+        if self.ng.dot(at.point.ng).abs() < SAME_SURFACE {
+            return None;
+        }
+        let f_cos = at.f_cos(self.wo, TransportMode::Radiance);
+        (!f_cos.is_black()).then(|| f_cos * self.power / at.cos_g(self.wo))
+    }
+}

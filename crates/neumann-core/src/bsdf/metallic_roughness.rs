@@ -59,6 +59,15 @@ impl MetallicRoughness {
         !self.ggx.is_smooth() || !self.diffuse.is_black()
     }
 
+    /// Roughness, 1 where there is a diffuse base.
+    pub(super) fn roughness(&self) -> f32 {
+        if self.diffuse.is_black() {
+            self.ggx.alpha.sqrt()
+        } else {
+            1.0
+        }
+    }
+
     /// Share of light from one direction that is reflected.
     #[must_use]
     pub fn albedo(&self, cos_o: f32) -> Rgb {

@@ -108,6 +108,18 @@ impl Bsdf {
         }
     }
 
+    /// Roughness of what is not mirror-like, as in glTF (the root of GGX's α): 1 where there is a diffuse part.
+    #[must_use]
+    pub fn roughness(&self) -> f32 {
+        match self {
+            Self::Black | Self::Lambert(_) => 1.0,
+            Self::Conductor(b) => b.ggx.alpha.sqrt(),
+            Self::Dielectric(b) => b.ggx.alpha.sqrt(),
+            Self::MetallicRoughness(b) => b.roughness(),
+            Self::Mix(b) => b.opaque.roughness().max(b.glass.ggx.alpha.sqrt()),
+        }
+    }
+
     /// True if light can pass through the surface.
     #[must_use]
     pub fn is_transmissive(&self) -> bool {

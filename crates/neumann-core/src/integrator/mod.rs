@@ -9,6 +9,7 @@ mod distributed;
 pub mod light_tracing;
 mod parameter;
 pub mod path_tracing;
+pub mod photon_mapping;
 mod radius;
 mod shade;
 pub mod vcm;
@@ -98,6 +99,8 @@ pub static METHODS: &[&Method] = &[
     &shade::METHOD,
     &light_tracing::METHOD,
     &bdpt::METHOD,
+    &photon_mapping::METHOD,
+    &photon_mapping::PROGRESSIVE,
     &vcm::METHOD,
 ];
 

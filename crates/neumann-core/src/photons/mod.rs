@@ -21,6 +21,8 @@ use crate::transport::SurfaceVertex;
 pub struct Photon {
     /// Where it landed, world space.
     pub position: Vec3,
+    /// Bound of the rounding error of the position, metres.
+    pub error: f32,
     /// Geometric normal there, unit.
     pub ng: Vec3,
     /// Direction to where it came from, unit.

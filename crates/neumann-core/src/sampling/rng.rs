@@ -40,6 +40,17 @@ impl Sampler {
         Self::new(seed, SHARED ^ (index >> 32), index as u32)
     }
 
+    /// Numbers of the same iteration, apart from these and from those of other branches.
+    #[inline]
+    #[must_use]
+    pub fn branch(&self, number: u32) -> Self {
+        Self {
+            key: mix(self.key ^ (u64::from(number) + 1) << 40 ^ u64::from(self.dimension)),
+            iteration: self.iteration,
+            dimension: 0,
+        }
+    }
+
     /// Goes to the dimensions of bounce `k`; those before are the camera's or the light's own.
     #[inline]
     pub fn start_bounce(&mut self, k: u32) {

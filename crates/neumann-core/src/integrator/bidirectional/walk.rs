@@ -36,6 +36,7 @@ impl Vertex<'_> {
     pub fn photon(&self) -> Photon {
         Photon {
             position: self.surface.point.position,
+            error: self.surface.point.error,
             ng: self.surface.point.ng,
             wo: self.surface.wo,
             power: self.throughput,

@@ -1,0 +1,571 @@
+//! Photon mapping, with a fixed radius (`pm`) and with one that shrinks (`ppm`).
+//!
+//! Two passes (Jensen 2001, ch. 5-7). First, photons: light paths leave a photon wherever they land on
+//! a surface that is not mirror-like. Then, like path tracing with a question to the photon map in
+//! place of the recursion: at the first hit that is rough enough, the light that scatters there is estimated from
+//! the photons around it. Mirrors, glass and sharp reflections on the way are followed as a path tracer does.
+//!
+//! `pm` keeps one map for all iterations, as on the slides: its blotches do not go away. `ppm` makes a
+//! new map with a smaller radius in each iteration (the probabilistic form of Knaus and Zwicker 2011), so that
+//! the mean converges to the true image.
+
+use crate::endpoint::SurfacePoint;
+use crate::film::{Contribution, PhotonReport, Strategy};
+use crate::integrator::{
+    Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
+};
+use crate::math::Ray;
+use crate::photons::{HashGrid, Kernel, Photon};
+use crate::radiometry::Rgb;
+use crate::render::{Cancelled, Pass, Sink};
+use crate::sampling::Sampler;
+use crate::sampling::mis::power_heuristic;
+use crate::scene::Scene;
+use crate::transport::reflection::{aim_at_light, light_sample, pdf_w_of_emitter, start_sample};
+use crate::transport::{Medium, SurfaceVertex, Tracer, VertexSample};
+
+use super::bidirectional::{Walk, Weighing};
+use super::path_tracing::bsdf::{MODE, bsdf_numbers};
+use super::path_tracing::{add_unlit, connect, hit};
+
+/// The row of `pm`.
+pub static METHOD: Method = Method {
+    id: "pm",
+    title: "photons",
+    name: "Photon mapping",
+    about: "Photons are traced from the lights and kept; then the light at each surface is read off the photons \
+            around it.",
+    blind_spots: BLIND_SPOTS,
+    sight: Sight::FULL,
+    bias: Some("photons are counted within a fixed radius, and one map is kept for good"),
+    parameters: &[
+        Radius::INITIAL,
+        Radius::UNIT,
+        PATHS,
+        KERNEL,
+        Parameter {
+            name: "nearest",
+            title: "Nearest photons",
+            unit: "",
+            about: "Shrink the radius to that many photons where there are more; 0 takes all within the radius.",
+            kind: ParameterKind::Integer {
+                default: 0,
+                min: 0,
+                max: 1000,
+            },
+        },
+        ROUGHNESS,
+        Parameter {
+            name: "gather",
+            title: "Final gather",
+            unit: "rays",
+            about: "Ask the map not where the camera looks but where so many rays from there end; lights are aimed at.",
+            kind: ParameterKind::Integer {
+                default: 0,
+                min: 0,
+                max: 64,
+            },
+        },
+        Parameter {
+            name: "map",
+            title: "Photon map",
+            unit: "",
+            about: "Keep one map for all iterations, or trace a new one for each.",
+            kind: ParameterKind::Choice {
+                default: 0,
+                options: &["kept", "renewed"],
+            },
+        },
+        SHOW,
+    ],
+    build: |values: &ParameterValues| {
+        Box::new(PhotonMapping {
+            is_kept: values.choice("map") == 0,
+            n_nearest: values.integer("nearest") as usize,
+            n_gather: values.integer("gather") as u32,
+            ..PhotonMapping::of(values)
+        })
+    },
+};
+
+/// The row of `ppm`.
+pub static PROGRESSIVE: Method = Method {
+    id: "ppm",
+    title: "prog. photons",
+    name: "Progressive photon mapping",
+    about: "A new photon map for each iteration, with a smaller radius each time: blur and blotches both go away.",
+    blind_spots: BLIND_SPOTS,
+    sight: Sight::FULL,
+    bias: Some("photons are counted within a radius, which shrinks with every iteration"),
+    parameters: &[
+        Radius::INITIAL,
+        Radius::UNIT,
+        Radius::ALPHA,
+        PATHS,
+        KERNEL,
+        ROUGHNESS,
+        SHOW,
+    ],
+    build: |values: &ParameterValues| Box::new(PhotonMapping::of(values)),
+};
+
+const BLIND_SPOTS: &str =
+    "Lights without extent seen by way of mirrors or smooth glass alone: no photon rests there.";
+
+const PATHS: Parameter = Parameter {
+    name: "paths",
+    title: "Light paths",
+    unit: "per pixel",
+    about: "Light paths traced for a photon map, for each pixel of the film.",
+    kind: ParameterKind::Real {
+        default: 1.0,
+        min: 0.001,
+        max: 16.0,
+        is_logarithmic: true,
+    },
+};
+
+const KERNEL: Parameter = Parameter {
+    name: "kernel",
+    title: "Kernel",
+    unit: "",
+    about: "Whether all photons within the radius count alike, or nearer ones more.",
+    kind: ParameterKind::Choice {
+        default: 0,
+        options: &["constant", "epanechnikov"],
+    },
+};
+
+const ROUGHNESS: Parameter = Parameter {
+    name: "roughness",
+    title: "Rough enough",
+    unit: "",
+    about: "The map is asked at surfaces of at least this roughness; sharper reflections are followed.",
+    kind: ParameterKind::Real {
+        default: 0.3,
+        min: 0.0,
+        max: 1.0,
+        is_logarithmic: false,
+    },
+};
+
+const SHOW: Parameter = Parameter {
+    name: "show",
+    title: "Show",
+    unit: "",
+    about: "The picture, or the photons themselves as points: by their power, or by the times they were scattered.",
+    kind: ParameterKind::Choice {
+        default: 0,
+        options: &["picture", "power", "bounce"],
+    },
+};
+
+/// Photons that a map has at most; fewer paths are traced where there would be more.
+const MAX_PHOTONS: usize = 12_000_000;
+
+struct PhotonMapping {
+    radius: Radius,
+    paths_per_pixel: f32,
+    kernel: Kernel,
+    roughness: f32,
+    is_kept: bool,
+    n_nearest: usize,
+    n_gather: u32,
+    show: Show,
+    kept: Option<PhotonMap>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Show {
+    Picture,
+    Power,
+    Bounce,
+}
+
+struct PhotonMap {
+    photons: Vec<Photon>,
+    grid: HashGrid,
+    radius: f32,
+    n_paths: usize,
+}
+
+impl PhotonMapping {
+    fn of(values: &ParameterValues) -> Self {
+        Self {
+            radius: Radius::of(values),
+            paths_per_pixel: values.real(PATHS.name) as f32,
+            kernel: match values.choice(KERNEL.name) {
+                0 => Kernel::Constant,
+                _ => Kernel::Epanechnikov,
+            },
+            roughness: values.real(ROUGHNESS.name) as f32,
+            is_kept: false,
+            n_nearest: 0,
+            n_gather: 0,
+            show: match values.choice(SHOW.name) {
+                0 => Show::Picture,
+                1 => Show::Power,
+                _ => Show::Bounce,
+            },
+            kept: None,
+        }
+    }
+}
+
+impl Integrator for PhotonMapping {
+    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
+        // First pass.
+        let map = match self.kept.take() {
+            Some(map) => map,
+            None => self.trace_photons(scene, pass)?,
+        };
+        pass.report(PhotonReport {
+            radius: map.radius,
+            n_paths: map.n_paths,
+            n_vertices: map.photons.len(),
+            bytes: size_of_val(map.photons.as_slice()) + map.grid.bytes(),
+        });
+        // Second pass.
+        let done = match self.show {
+            Show::Picture => self.trace_camera(scene, pass, &map),
+            Show::Power | Show::Bounce => show_photons(scene, pass, &map, self.show),
+        };
+        if self.is_kept {
+            self.kept = Some(map);
+        }
+        done
+    }
+}
+
+impl PhotonMapping {
+    /// Light paths, a photon wherever one lands on a surface that is not mirror-like.
+    fn trace_photons(&self, scene: &Scene, pass: &mut Pass<'_>) -> Result<PhotonMap, Cancelled> {
+        let max_bounces = pass.max_bounces();
+        let wanted = (pass.n_pixels() as f32 * self.paths_per_pixel).ceil() as usize;
+        let n_paths = wanted.clamp(1, MAX_PHOTONS / (max_bounces as usize).clamp(1, 6));
+        let numbers = if self.is_kept {
+            pass.fixed_light_numbers()
+        } else {
+            pass.light_numbers(n_paths)
+        };
+        let weighing = Weighing::one_technique();
+        let paths =
+            pass.trace_light_paths(scene, n_paths, numbers, |_, tracer, sampler, _, photons| {
+                let Some(start) = scene.lights().start(&start_sample(sampler)) else {
+                    return;
+                };
+                let mut walk = Walk::from_light(&start, &weighing);
+                while let Some(vertex) = walk.meet(tracer, &weighing) {
+                    if walk.bounce() == max_bounces {
+                        return;
+                    }
+                    if vertex.surface.bsdf.has_density() {
+                        photons.push(vertex.photon());
+                    }
+                    sampler.start_bounce(walk.bounce());
+                    if !walk.scatter(&vertex, sampler, true, &weighing) {
+                        return;
+                    }
+                }
+            })?;
+        let iteration = if self.is_kept { 0 } else { pass.iteration() };
+        let radius = self.radius.at(scene, iteration);
+        Ok(PhotonMap {
+            grid: HashGrid::new(&paths.items, radius, |photon| photon.position),
+            photons: paths.items,
+            radius,
+            n_paths,
+        })
+    }
+
+    /// Camera paths, up to the first surface that is rough enough.
+    fn trace_camera(
+        &self,
+        scene: &Scene,
+        pass: &mut Pass<'_>,
+        map: &PhotonMap,
+    ) -> Result<(), Cancelled> {
+        let camera = pass.camera();
+        let eye = Eye {
+            scene,
+            map,
+            mapping: self,
+            max_bounces: pass.max_bounces(),
+        };
+        pass.trace_pixels_with(
+            scene,
+            || Vec::with_capacity(self.n_nearest + 1),
+            |nearest, sample, tracer, sampler, sink| {
+                let segment = Segment {
+                    ray: camera.ray(sample.raster, sampler.next_2d()).ray,
+                    throughput: Rgb::WHITE,
+                    medium: Medium::VACUUM,
+                    pdf_w: f32::INFINITY,
+                    bounce: 0,
+                };
+                eye.follow(segment, self.n_gather, tracer, sampler, sink, nearest);
+            },
+        )
+    }
+}
+
+/// What camera paths know.
+struct Eye<'a> {
+    scene: &'a Scene,
+    map: &'a PhotonMap,
+    mapping: &'a PhotonMapping,
+    max_bounces: u32,
+}
+
+/// A camera path on its way.
+#[derive(Clone, Copy)]
+struct Segment {
+    ray: Ray,
+    throughput: Rgb,
+    medium: Medium,
+    /// Density of the ray's direction; infinite where no light could have been aimed at instead.
+    pdf_w: f32,
+    /// Scattering events so far.
+    bounce: u32,
+}
+
+impl Eye<'_> {
+    /// Follows a path through mirrors, glass and sharp reflections to where the map is asked; `n_gather` rays go on
+    /// from there first.
+    fn follow(
+        &self,
+        mut path: Segment,
+        n_gather: u32,
+        tracer: &mut Tracer<'_>,
+        sampler: &mut Sampler,
+        sink: &mut Sink<'_>,
+        nearest: &mut Vec<(f32, u32)>,
+    ) {
+        let lights = self.scene.lights();
+        loop {
+            // What does the ray meet? L_e counts, against having been aimed at.
+            let Some(vertex) = tracer.vertex(&path.ray) else {
+                let radiance = lights.environment_radiance(path.ray.direction);
+                if !radiance.is_black() {
+                    let (pdf_w_light, _) = lights.environment_densities(path.ray.direction);
+                    let weight = path.weight(pdf_w_light);
+                    sink.add(hit(path.bounce, path.throughput * radiance, weight));
+                }
+                return;
+            };
+            path.throughput *= path.medium.transmittance(vertex.distance);
+            if path.bounce == 0 {
+                add_unlit(tracer, &vertex, sink);
+            }
+            let emitted = tracer.emitted(&vertex);
+            if !emitted.is_black() {
+                let weight = path.weight(pdf_w_of_emitter(tracer, &vertex));
+                sink.add(hit(path.bounce, path.throughput * emitted, weight));
+            }
+            if path.bounce == self.max_bounces {
+                return;
+            }
+
+            let u = bsdf_numbers(sampler, path.bounce);
+            let has_density = vertex.bsdf.has_density();
+            let is_rough = has_density && vertex.bsdf.roughness() >= self.mapping.roughness;
+            if is_rough && n_gather == 0 {
+                // Rough enough: what scatters here is read off the map.
+                self.ask_map(&vertex, &path, sink, nearest);
+            } else if has_density {
+                // A light aimed at, against running into it.
+                let u = light_sample(sampler);
+                if let Some(aimed) = aim_at_light(tracer, &vertex, path.medium, &u) {
+                    let value = path.throughput * aimed.value;
+                    // Rays of a final gather leave emitters to the light aimed at.
+                    let weight = if is_rough { 1.0 } else { aimed.mis_weight() };
+                    sink.add(connect(path.bounce + 1, value, weight));
+                }
+            }
+            if is_rough && n_gather > 0 {
+                self.gather(&vertex, &path, n_gather, tracer, sampler, sink, nearest);
+            }
+
+            // Mirror-like and sharp lobes are followed.
+            let Some(sample) = vertex.sample(u, MODE) else {
+                return;
+            };
+            if is_rough && !sample.is_delta {
+                return;
+            }
+            path = path.beyond(&vertex, &sample);
+        }
+    }
+
+    /// Final gather: rays by the BSDF's density, followed to where the map is asked.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "the state of one path, which has no other home"
+    )]
+    fn gather(
+        &self,
+        vertex: &SurfaceVertex<'_>,
+        path: &Segment,
+        n: u32,
+        tracer: &mut Tracer<'_>,
+        sampler: &mut Sampler,
+        sink: &mut Sink<'_>,
+        nearest: &mut Vec<(f32, u32)>,
+    ) {
+        for i in 0..n {
+            let mut numbers = sampler.branch(i);
+            let [a, b] = numbers.next_2d();
+            let u = [numbers.next_1d(), a, b];
+            let Some(sample) = vertex.sample(u, MODE) else {
+                continue;
+            };
+            if sample.is_delta {
+                continue;
+            }
+            let mut ray = path.beyond(vertex, &sample);
+            ray.throughput *= 1.0 / n as f32;
+            // Emitters met by these rays have been aimed at already.
+            ray.pdf_w = 0.0;
+            self.follow(ray, 0, tracer, &mut numbers, sink, nearest);
+        }
+    }
+
+    /// Density estimation: `Σ f Φ K`.
+    fn ask_map(
+        &self,
+        vertex: &SurfaceVertex<'_>,
+        path: &Segment,
+        sink: &mut Sink<'_>,
+        nearest: &mut Vec<(f32, u32)>,
+    ) {
+        let map = self.map;
+        let n_nearest = self.mapping.n_nearest;
+        let kernel = self.mapping.kernel;
+        let x = vertex.point.position;
+        let mut add = |photon: &Photon, distance_squared: f32, radius_squared: f32| {
+            let strategy = Strategy::merge(photon.n_vertices, path.bounce as u16 + 2);
+            if strategy.bounce() > self.max_bounces {
+                return;
+            }
+            if let Some(scattered) = photon.scattered(vertex) {
+                let weight = kernel.at(distance_squared, radius_squared) / map.n_paths as f32;
+                sink.add(Contribution {
+                    value: path.throughput * scattered * weight,
+                    mis_weight: 1.0,
+                    bounce: strategy.bounce(),
+                    strategy,
+                });
+            }
+        };
+        if n_nearest == 0 {
+            let r2 = map.radius * map.radius;
+            map.grid
+                .for_each_near(x, |index, d2| add(&map.photons[index], d2, r2));
+            return;
+        }
+        nearest.clear();
+        map.grid
+            .for_each_near(x, |index, d2| nearest.push((d2, index as u32)));
+        let mut r2 = map.radius * map.radius;
+        if nearest.len() > n_nearest {
+            // The disk reaches to the first photon that is left out.
+            nearest
+                .select_nth_unstable_by(n_nearest, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            r2 = nearest[n_nearest].0;
+            nearest.truncate(n_nearest);
+            nearest.sort_unstable_by_key(|(_, index)| *index);
+        }
+        for (d2, index) in nearest.iter() {
+            add(&map.photons[*index as usize], *d2, r2);
+        }
+    }
+}
+
+impl Segment {
+    /// MIS weight of light that was run into, against having been aimed at.
+    #[inline]
+    fn weight(&self, pdf_w_light: f32) -> f32 {
+        if self.pdf_w == 0.0 {
+            0.0
+        } else {
+            power_heuristic(self.pdf_w, pdf_w_light)
+        }
+    }
+
+    fn beyond(&self, vertex: &SurfaceVertex<'_>, sample: &VertexSample) -> Self {
+        Self {
+            ray: vertex.ray(sample.wi),
+            throughput: self.throughput * sample.throughput(),
+            medium: self.medium.beyond(vertex, sample.wi),
+            pdf_w: if sample.is_delta {
+                f32::INFINITY
+            } else {
+                sample.pdf_w
+            },
+            bounce: self.bounce + 1,
+        }
+    }
+}
+
+/// Draws the photons that the camera sees, one point each.
+fn show_photons(
+    scene: &Scene,
+    pass: &mut Pass<'_>,
+    map: &PhotonMap,
+    show: Show,
+) -> Result<(), Cancelled> {
+    let camera = pass.camera();
+    let n = map.photons.len();
+    let sum: f64 = map.photons.iter().map(|p| f64::from(p.power.mean())).sum();
+    let mean = (sum / n.max(1) as f64) as f32;
+    let numbers = pass.light_numbers(n);
+    pass.trace_light_paths(
+        scene,
+        n,
+        numbers,
+        |index, tracer, sampler, sink, _: &mut Vec<()>| {
+            let photon = &map.photons[index];
+            let Some((aim, raster)) = camera.aim(photon.position, sampler.next_2d()) else {
+                return;
+            };
+            let seen = SurfacePoint {
+                position: photon.position,
+                error: photon.error,
+                ng: photon.ng,
+            };
+            let share = tracer.visibility(&seen, &aim);
+            if share <= 0.0 {
+                return;
+            }
+            let strategy = Strategy::merge(photon.n_vertices, 2);
+            let color = match show {
+                Show::Bounce => bounce_color(strategy.bounce()),
+                Show::Picture | Show::Power => photon.power / mean.max(f32::MIN_POSITIVE),
+            };
+            sink.splat(
+                raster,
+                Contribution {
+                    value: color * share,
+                    mis_weight: 1.0,
+                    bounce: strategy.bounce(),
+                    strategy,
+                },
+            );
+        },
+    )?;
+    Ok(())
+}
+
+/// Colours that can be told apart without seeing red from green: Okabe and Ito 2008, linear.
+fn bounce_color(bounce: u32) -> Rgb {
+    const COLORS: [[f32; 3]; 7] = [
+        [0.791, 0.342, 0.000],
+        [0.093, 0.456, 0.815],
+        [0.000, 0.342, 0.171],
+        [0.871, 0.776, 0.054],
+        [0.000, 0.168, 0.445],
+        [0.665, 0.112, 0.000],
+        [0.604, 0.191, 0.386],
+    ];
+    Rgb::from(COLORS[(bounce.max(1) as usize - 1) % COLORS.len()])
+}

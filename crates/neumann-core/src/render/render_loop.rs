@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::{CancelToken, RenderSettings, Renderer, WorkerPool};
-use crate::film::Film;
+use crate::film::{Film, PhotonReport, TechniqueFilm};
 use crate::radiometry::Rgb;
 use crate::scene::Scene;
 
@@ -54,6 +54,8 @@ pub struct Stats {
     pub estimated_error: f64,
     /// Contributions refused because they were not finite or negative.
     pub n_refused: u64,
+    /// What the photons of the latest iteration were like, if it had any.
+    pub photons: Option<PhotonReport>,
     /// True once the stop rule has been met.
     pub is_done: bool,
 }
@@ -76,6 +78,8 @@ pub struct Published {
     pub energy_shares: Vec<f64>,
     /// Grows when the thumbnails change.
     pub thumbnails_version: u64,
+    /// The techniques apart, renewed with the thumbnails while [`RenderLoop::record_techniques`] is on.
+    pub techniques: Option<Arc<TechniqueFilm>>,
 }
 
 /// A small linear image.
@@ -107,6 +111,7 @@ struct Control {
     job: Option<Job>,
     generation: u64,
     is_paused: bool,
+    is_recording: bool,
     has_quit: bool,
     cancel: CancelToken,
 }
@@ -132,6 +137,7 @@ impl RenderLoop {
                 job: None,
                 generation: 0,
                 is_paused: false,
+                is_recording: false,
                 has_quit: false,
                 cancel: CancelToken::default(),
             }),
@@ -145,6 +151,7 @@ impl RenderLoop {
                 thumbnails: Vec::new(),
                 energy_shares: Vec::new(),
                 thumbnails_version: 0,
+                techniques: None,
             }),
             version: AtomicU64::new(0),
             on_publish: Box::new(on_publish),
@@ -180,6 +187,12 @@ impl RenderLoop {
             control.cancel = CancelToken::default();
             self.shared.wake.notify_all();
         }
+    }
+
+    /// Begins or ends keeping techniques apart, at full resolution of the ladder; what was kept before is
+    /// dropped. It costs time and memory ([`TechniqueFilm::bytes`]), so it is for as long as somebody looks.
+    pub fn record_techniques(&self, is_on: bool) {
+        self.shared.control().is_recording = is_on;
     }
 
     /// True while paused.
@@ -259,6 +272,7 @@ impl Shared {
                         job: job.clone(),
                         generation: control.generation,
                         cancel: control.cancel.clone(),
+                        is_recording: control.is_recording,
                     });
                 }
             }
@@ -274,6 +288,7 @@ struct Task {
     job: Job,
     generation: u64,
     cancel: CancelToken,
+    is_recording: bool,
 }
 
 /// One job on its way up the ladder and on.
@@ -311,13 +326,17 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let is_first = climb.n_iterations == 0;
         let renderer = climb.renderer(&task.job, pool);
         let n_samples = renderer.settings().width * renderer.settings().height;
+        let records = task.is_recording && divisor == 1;
+        if records != renderer.techniques().is_some() {
+            renderer.record_techniques(records.then(|| technique_divisor(renderer.settings())));
+        }
         let Ok(frame) = renderer.iterate(&task.cancel) else {
             climb.seconds += start.elapsed().as_secs_f64();
             continue;
         };
         let seconds = start.elapsed().as_secs_f64();
         seconds_per_sample = Some(seconds / n_samples as f64);
-        let n_rays = frame.n_rays();
+        let (n_rays, photons) = (frame.n_rays(), frame.photons());
         let fresh = is_first.then(|| {
             let n_layers = frame.layers().len() - 1;
             Film::new(frame.width(), frame.height(), n_layers)
@@ -344,7 +363,8 @@ fn run(shared: &Shared, pool: &WorkerPool) {
                 .published
                 .read()
                 .unwrap_or_else(PoisonError::into_inner);
-            pool.run(|| Summary::of(&published.film))
+            let techniques = climb.renderer.as_ref().and_then(Renderer::techniques);
+            pool.run(|| Summary::of(&published.film, techniques))
         });
         if summary.is_some() {
             // Rungs of the ladder do not delay the next summary.
@@ -357,6 +377,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             rays_per_second: n_rays as f64 / seconds,
             estimated_error: f64::INFINITY,
             n_refused: 0,
+            photons,
             is_done,
         };
         shared.publish(|published| published.take(stats, summary));
@@ -416,15 +437,22 @@ impl Climb {
     }
 }
 
+/// So that the longer edge of a technique's image has at most [`THUMBNAIL_EDGE`] pixels: then all of
+/// them take 23 MB at 16:9 and 8 layers.
+fn technique_divisor(settings: &RenderSettings) -> usize {
+    settings.width.max(settings.height).div_ceil(THUMBNAIL_EDGE)
+}
+
 /// What is drawn from the whole film, a few times a second.
 struct Summary {
     thumbnails: Vec<Thumbnail>,
     energy_shares: Vec<f64>,
     estimated_error: f64,
+    techniques: Option<Arc<TechniqueFilm>>,
 }
 
 impl Summary {
-    fn of(film: &Film) -> Self {
+    fn of(film: &Film, techniques: Option<&TechniqueFilm>) -> Self {
         Self {
             thumbnails: film
                 .layers()
@@ -433,6 +461,7 @@ impl Summary {
                 .collect(),
             energy_shares: film.energy_shares(),
             estimated_error: film.estimated_error(),
+            techniques: techniques.map(|techniques| Arc::new(techniques.clone())),
         }
     }
 }
@@ -449,6 +478,7 @@ impl Published {
             self.stats.estimated_error = summary.estimated_error;
             self.thumbnails = summary.thumbnails;
             self.energy_shares = summary.energy_shares;
+            self.techniques = summary.techniques;
             self.thumbnails_version += 1;
         }
     }

@@ -1,5 +1,6 @@
 //! The questions that the program must answer, one module each.
 
+mod adjoint;
 mod agreement;
 mod cameras;
 mod determinism;
@@ -9,3 +10,5 @@ mod reference;
 mod sampling;
 mod scenes;
 mod series;
+mod techniques;
+mod weights;

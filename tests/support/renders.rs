@@ -7,7 +7,7 @@
 use std::sync::{Arc, LazyLock};
 
 use neumann_core::film::Film;
-use neumann_core::integrator::{Method, ParameterValues};
+use neumann_core::integrator::{Method, ParameterValues, Value};
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::{CancelToken, RenderSettings, Renderer, WorkerPool};
 use neumann_core::scene::Scene;
@@ -76,6 +76,17 @@ impl Setup {
     pub fn by(mut self, method: &'static Method) -> Self {
         self.settings.method = method;
         self.settings.values = ParameterValues::defaults(method.parameters);
+        self
+    }
+
+    /// The same with photon maps of many paths, a new one for each iteration, where the method has one.
+    #[must_use]
+    pub fn with_many_photons(mut self) -> Self {
+        for (name, value) in [("paths", Value::Real(16.0)), ("map", Value::Choice(1))] {
+            if self.settings.values.value(name).is_some() {
+                self.settings.values.put(name, value);
+            }
+        }
         self
     }
 

@@ -105,6 +105,7 @@ pub(crate) struct ViewArguments {
     neumann render cornell -o c.exr -o c.png --iterations 256\n  \
     neumann render room.gltf -o room.exr --integrator pt-nee --size 1280x720 --until-error 0.01\n  \
     neumann render room.gltf -o room.exr --iterations 4096 --resume\n  \
+    neumann render lamps -o l.exr --integrator bdpt --techniques pyramid\n  \
     neumann render room.gltf -o part2.exr --first-iteration 1024 --iterations 1024 --threads 8\n  \
     neumann render cornell -o c.exr --eye 0,1,4 --target 0,1,0 --fov 35 --set roulette-depth=8 --json"
 )]
@@ -126,6 +127,18 @@ pub(crate) struct RenderArguments {
     /// Write half floats: smaller, but not to be resumed from
     #[arg(long, conflicts_with = "resume")]
     pub(crate) half: bool,
+    /// Keep the (s,t) techniques of this run apart: techniques.exr and the sheet techniques.png in this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) techniques: Option<PathBuf>,
+    /// Make the images of techniques so many times smaller each way
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 4,
+        requires = "techniques",
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
+    pub(crate) techniques_divisor: u32,
     /// End with one JSON object on stdout
     #[arg(long)]
     pub(crate) json: bool,

@@ -1,9 +1,13 @@
 //! `neumann render`: a scene to EXR and PNG files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use neumann_picture::exr_file::Precision;
+use neumann_core::film::TechniqueFilm;
+use neumann_picture::exr_file::{Precision, write_techniques_exr};
+use neumann_picture::png_file::write_png;
+use neumann_picture::sheet::{SheetInfo, technique_sheet};
+use neumann_picture::tone::Display;
 use serde_json::{Value, json};
 
 use crate::cli::RenderArguments;
@@ -12,10 +16,14 @@ use crate::failure::Outcome;
 use crate::interrupt;
 use crate::outputs::{self, Picture};
 use crate::progress::duration;
+use crate::series::make_folder;
 use crate::session::{Goal, Rendered, Session, peak_bytes};
 
 pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
     outputs::check(&arguments.outputs)?;
+    if let Some(folder) = &arguments.techniques {
+        make_folder(folder)?;
+    }
     let (scene, settings) = arguments.settings.resolve(&arguments.scene)?;
     let session = Session {
         scene,
@@ -23,6 +31,10 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         pool: arguments.settings.pool()?,
         goal: Goal::of(&arguments.goal),
         first_iteration: arguments.goal.first_iteration,
+        technique_divisor: arguments
+            .techniques
+            .is_some()
+            .then_some(arguments.techniques_divisor as usize),
     };
     session.check()?;
     let before = if arguments.resume {
@@ -44,11 +56,37 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         },
     };
     picture.write_all(&arguments.outputs)?;
+    if let (Some(folder), Some(film)) = (&arguments.techniques, &rendered.techniques) {
+        write_techniques(folder, film, &rendered, arguments.display.display())?;
+    }
     console::note(&summary(&rendered));
     if arguments.json {
         console::json(&report(&rendered, &arguments.outputs))?;
     }
     completeness(&rendered)
+}
+
+/// Writes the pyramid of techniques.
+fn write_techniques(
+    folder: &Path,
+    film: &TechniqueFilm,
+    rendered: &Rendered,
+    display: Display,
+) -> Outcome {
+    let metadata = &rendered.metadata;
+    let n_iterations = film.n_iterations().to_string();
+    let notes = [
+        ("scene", metadata.scene.as_str()),
+        ("integrator", metadata.integrator.as_str()),
+        ("iterations", n_iterations.as_str()),
+    ];
+    write_techniques_exr(&folder.join("techniques.exr"), film, &notes)?;
+    let info = SheetInfo::of(&rendered.film, metadata, display);
+    write_png(
+        &folder.join("techniques.png"),
+        &technique_sheet(film, &info),
+    )?;
+    Ok(())
 }
 
 /// Nothing is written if not a single iteration was finished.
@@ -111,6 +149,12 @@ pub(crate) fn report(rendered: &Rendered, outputs: &[PathBuf]) -> Value {
         "refused": film.n_refused(),
         "estimated_error": film.estimated_error(),
         "peak_memory_bytes": peak_bytes(),
+        "photons": rendered.photons.map(|photons| json!({
+            "radius": photons.radius,
+            "light_paths": photons.n_paths,
+            "light_vertices": photons.n_vertices,
+            "bytes": photons.bytes,
+        })),
         "outputs": outputs,
     })
 }

@@ -29,6 +29,7 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
         pool: arguments.settings.pool()?,
         goal: Goal::of(&arguments.goal),
         first_iteration: arguments.goal.first_iteration,
+        technique_divisor: None,
     };
     session.check()?;
     let before = if arguments.resume {

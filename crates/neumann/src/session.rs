@@ -6,7 +6,7 @@ mod resume;
 use std::sync::Arc;
 use std::time::Instant;
 
-use neumann_core::film::{Features, Film};
+use neumann_core::film::{Features, Film, PhotonReport, TechniqueFilm};
 use neumann_core::render::{CancelToken, RenderSettings, Renderer, WorkerPool};
 use neumann_core::scene::Scene;
 use neumann_picture::exr_file::{Checkpoint, IterationRanges, Metadata};
@@ -80,6 +80,8 @@ pub(crate) struct Session {
     pub(crate) goal: Goal,
     /// Number of the first iteration.
     pub(crate) first_iteration: u32,
+    /// How many times smaller techniques are kept apart, if they are.
+    pub(crate) technique_divisor: Option<usize>,
 }
 
 /// What came of it.
@@ -89,6 +91,10 @@ pub(crate) struct Rendered {
     pub(crate) metadata: Metadata,
     /// Rays per second, of this run; `None` if it rendered nothing.
     pub(crate) rays_per_second: Option<f64>,
+    /// The techniques of this run, if they were kept apart.
+    pub(crate) techniques: Option<TechniqueFilm>,
+    /// What the photons of the last iteration were like, if there were any.
+    pub(crate) photons: Option<PhotonReport>,
     /// False if it was interrupted before the goal was met.
     pub(crate) is_complete: bool,
 }
@@ -122,6 +128,8 @@ impl Session {
         };
         let mut renderer =
             Renderer::new(Arc::clone(&self.scene), s.clone(), self.pool.clone(), next);
+        renderer.record_techniques(self.technique_divisor);
+        let mut photons = None;
         let mut progress = Progress::new(self.goal);
         let (mut n_rays, mut seconds_here) = (0u64, 0.0);
         let is_complete = loop {
@@ -143,6 +151,7 @@ impl Session {
                 break false;
             };
             n_rays += frame.n_rays();
+            photons = frame.photons();
             self.pool.run(|| film.add(frame));
             let seconds = start.elapsed().as_secs_f64();
             seconds_here += seconds;
@@ -161,6 +170,8 @@ impl Session {
             features,
             metadata,
             rays_per_second: (seconds_here > 0.0).then(|| n_rays as f64 / seconds_here),
+            techniques: renderer.techniques().cloned(),
+            photons,
             is_complete,
         }
     }

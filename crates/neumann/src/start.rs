@@ -42,6 +42,7 @@ fn render(scene: &str) -> Outcome {
         pool: options.pool()?,
         goal: Goal::of(&GoalOptions::default()),
         first_iteration: 0,
+        technique_divisor: None,
     };
     session.check()?;
     let rendered = session.render(None, &interrupt::token());

@@ -7,7 +7,7 @@ use exr::image::{AnyChannels, Blocks, Encoding, Layer};
 use exr::meta::attribute::LineOrder;
 use exr::meta::header::LayerAttributes;
 use exr::prelude::Compression;
-use neumann_core::film::{Features, Film};
+use neumann_core::film::{Features, Film, Joint, TechniqueFilm, TechniqueImage};
 use neumann_core::radiometry::Rgb;
 
 use super::Metadata;
@@ -92,6 +92,46 @@ pub fn write_image_exr(
         attributes.other.insert(name, text(value));
     }
     write(path, (width, height), planes, attributes)
+}
+
+/// Writes the techniques of a method: `R, G, B` is L at their resolution, `s1t2.R …` what a technique adds to it,
+/// `s1t2.raw.R …` what it would be alone, `s1t2.weight.Y` its mean weight, and `rest.R …` longer paths; merges are
+/// called `merge-s2t2`. Texts go to the header as attributes `neumann.…`.
+///
+/// # Errors
+/// If the place cannot be written to.
+pub fn write_techniques_exr(
+    path: &Path,
+    film: &TechniqueFilm,
+    notes: &[(&str, &str)],
+) -> Result<(), PictureError> {
+    let mut planes = Planes::new(Precision::Full);
+    let mut total = film.rest();
+    planes.rgb("rest", &total);
+    for strategy in (0..film.n_bounces()).flat_map(|k| film.techniques(k)) {
+        let kind = if strategy.joint == Joint::Merge {
+            "merge-"
+        } else {
+            ""
+        };
+        let name = format!("{kind}s{}t{}", strategy.s, strategy.t);
+        let weighted = film.image(strategy, TechniqueImage::Weighted);
+        for (sum, value) in total.iter_mut().zip(&weighted) {
+            *sum += *value;
+        }
+        planes.rgb(&name, &weighted);
+        let raw = film.image(strategy, TechniqueImage::Raw);
+        planes.rgb(&format!("{name}.raw"), &raw);
+        let weight = film.image(strategy, TechniqueImage::Weight);
+        planes.plane(&format!("{name}.weight"), "Y", &weight, |w| w.g);
+    }
+    planes.rgb("", &total);
+    let mut attributes = LayerAttributes::default();
+    for (name, value) in notes {
+        let name = text_of(&format!("{PREFIX}{name}"));
+        attributes.other.insert(name, text(value));
+    }
+    write(path, (film.width(), film.height()), planes, attributes)
 }
 
 fn write(

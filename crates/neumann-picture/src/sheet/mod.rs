@@ -6,6 +6,7 @@
 
 mod canvas;
 mod label;
+mod techniques;
 mod text;
 
 use neumann_core::film::{Film, View};
@@ -19,6 +20,7 @@ use label::percent;
 use text::{Align, Face, Style, Typesetter};
 
 pub use label::formula;
+pub use techniques::{technique_name, technique_sheet};
 
 /// What stands on the sheet beside the pictures.
 #[derive(Clone, Debug, Default)]

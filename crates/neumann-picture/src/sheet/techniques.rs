@@ -1,0 +1,168 @@
+//! The techniques of a bidirectional method on one sheet: Veach's pyramid.
+//!
+//! One row for each bounce; in it the ways to cut the path in two, from s = 0 on the left (the
+//! camera's walk found the light) to t = 0 on the right (the light's walk found the lens), then the
+//! merges. The pyramid stands there three times: as each technique counts, as each would be alone, and how
+//! much each weighs.
+
+use neumann_core::film::{Joint, Strategy, TechniqueFilm, TechniqueImage};
+use neumann_core::radiometry::Rgb;
+
+use super::canvas::{Canvas, Rect, Thumbnail};
+use super::label::percent;
+use super::text::{Align, Face, Style, Typesetter};
+use super::{BRIGHT, GROUND, HEADING, MARGIN, PLAIN, QUIET, SUBTITLE, SheetInfo, TITLE, UNIT};
+use crate::png_file::Pixels8;
+use crate::tone::Display;
+
+const GUTTER: usize = 2 * UNIT;
+const LABEL: usize = 4 * UNIT;
+const BLOCK_TITLE: usize = 6 * UNIT;
+/// Between the connections of a row and its merges.
+const MERGE_GAP: usize = 4 * UNIT;
+const EDGE: usize = 16 * UNIT;
+const NARROWEST: usize = 13 * UNIT;
+
+const BLOCK: Style = Style {
+    face: Face::SemiBold,
+    size: 18.0,
+    colour: BRIGHT,
+};
+const NAME: Style = Style {
+    face: Face::Regular,
+    size: 13.0,
+    colour: PLAIN,
+};
+const SHARE: Style = Style {
+    face: Face::Regular,
+    size: 13.0,
+    colour: QUIET,
+};
+
+/// What a technique is called: `s1 t2`, or `s2 + t2` for a merge.
+#[must_use]
+pub fn technique_name(strategy: Strategy) -> String {
+    let Strategy { s, t, joint } = strategy;
+    match joint {
+        Joint::Hit | Joint::Connect => format!("s{s} t{t}"),
+        Joint::Merge => format!("s{s} + t{t}"),
+    }
+}
+
+/// Lays out everything that a technique film holds.
+#[must_use]
+pub fn technique_sheet(film: &TechniqueFilm, info: &SheetInfo) -> Pixels8 {
+    let rows: Vec<Vec<Strategy>> = (0..film.n_bounces())
+        .map(|k| film.techniques(k))
+        .filter(|row| !row.is_empty())
+        .collect();
+    let layout = Layout::new(film, &rows);
+    let typesetter = Typesetter::new();
+    let mut canvas = Canvas::new(layout.width, layout.height, GROUND);
+    let write = |canvas: &mut Canvas, text: &str, (x, y): (usize, usize), align, style: &Style| {
+        typesetter.write(canvas, text, (x as f32, y as f32), align, style);
+    };
+    let baseline = MARGIN + 3 * UNIT;
+    write(
+        &mut canvas,
+        &info.title,
+        (MARGIN, baseline),
+        Align::Left,
+        &TITLE,
+    );
+    let below = (MARGIN, baseline + 4 * UNIT);
+    write(&mut canvas, &info.subtitle, below, Align::Left, &SUBTITLE);
+    for (block, image) in TechniqueImage::ALL.into_iter().enumerate() {
+        let top = layout.block(block);
+        let title = match image {
+            TechniqueImage::Weighted => "As each technique counts: these add up to L",
+            TechniqueImage::Raw => "As each technique would be alone",
+            TechniqueImage::Weight => "What each technique weighs",
+        };
+        let at = (MARGIN, top + 3 * UNIT);
+        write(&mut canvas, title, at, Align::Left, &BLOCK);
+        let display = match image {
+            TechniqueImage::Weight => Display::default(),
+            TechniqueImage::Weighted | TechniqueImage::Raw => info.display,
+        };
+        for (row, techniques) in rows.iter().enumerate() {
+            let mut x = layout.first_x(techniques);
+            let y = top + BLOCK_TITLE + row * (layout.cell.1 + LABEL);
+            for (i, strategy) in techniques.iter().enumerate() {
+                let is_merge = strategy.joint == Joint::Merge;
+                if is_merge && i > 0 && techniques[i - 1].joint != Joint::Merge {
+                    x += MERGE_GAP;
+                }
+                let pixels: Vec<Rgb> = film.image(*strategy, image);
+                let source = Thumbnail {
+                    pixels: &pixels,
+                    size: (film.width(), film.height()),
+                };
+                let rect = Rect {
+                    x,
+                    y,
+                    width: layout.cell.0,
+                    height: layout.cell.1,
+                };
+                canvas.picture(rect, &source, &display);
+                let line = y + layout.cell.1 + 2 * UNIT;
+                let name = technique_name(*strategy);
+                write(&mut canvas, &name, (x, line), Align::Left, &NAME);
+                if image == TechniqueImage::Weighted {
+                    let share = percent(film.share(*strategy));
+                    write(
+                        &mut canvas,
+                        &share,
+                        (x + layout.cell.0, line),
+                        Align::Right,
+                        &SHARE,
+                    );
+                }
+                x += layout.cell.0 + GUTTER;
+            }
+        }
+    }
+    canvas.into_pixels()
+}
+
+struct Layout {
+    cell: (usize, usize),
+    width: usize,
+    height: usize,
+    block_height: usize,
+}
+
+impl Layout {
+    fn new(film: &TechniqueFilm, rows: &[Vec<Strategy>]) -> Self {
+        let longer = film.width().max(film.height()).max(1);
+        let scaled = |n: usize| (n * EDGE).div_ceil(longer).max(1);
+        let mut cell = (scaled(film.width()), scaled(film.height()));
+        if cell.0 < NARROWEST {
+            cell = (NARROWEST, (cell.1 * NARROWEST / cell.0).min(2 * EDGE));
+        }
+        let widest = rows.iter().map(|row| row_width(row, cell.0)).max();
+        let block_height = BLOCK_TITLE + rows.len() * (cell.1 + LABEL) + 4 * UNIT;
+        Self {
+            cell,
+            width: 2 * MARGIN + widest.unwrap_or(0).max(80 * UNIT),
+            height: 2 * MARGIN + HEADING + TechniqueImage::ALL.len() * block_height,
+            block_height,
+        }
+    }
+
+    fn block(&self, block: usize) -> usize {
+        MARGIN + HEADING + block * self.block_height
+    }
+
+    /// Rows are centred, so that the pyramid is one.
+    fn first_x(&self, row: &[Strategy]) -> usize {
+        (self.width - row_width(row, self.cell.0)) / 2
+    }
+}
+
+fn row_width(row: &[Strategy], cell: usize) -> usize {
+    let has_both =
+        row.iter().any(|s| s.joint == Joint::Merge) && row.iter().any(|s| s.joint != Joint::Merge);
+    let gap = if has_both { MERGE_GAP } else { 0 };
+    row.len() * (cell + GUTTER) - GUTTER + gap
+}

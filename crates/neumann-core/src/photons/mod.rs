@@ -40,6 +40,7 @@ impl Photon {
     /// `f(wo, w_j) Φ_j` at a point that the photon is taken to have hit, to be multiplied by a kernel; `None` if it
     /// belongs to another surface or nothing is scattered. Power per area is irradiance under the geometric normal,
     /// so that the BSDF's cosine with the shading normal is divided by that ([Veach 1997] 5.3).
+    /// A surface with alpha has stopped only that share of the photons, as it does of the camera's rays; it counts once.
     #[inline]
     #[must_use]
     pub fn scattered(&self, at: &SurfaceVertex<'_>) -> Option<Rgb> {
@@ -47,6 +48,6 @@ impl Photon {
             return None;
         }
         let f_cos = at.f_cos(self.wo, TransportMode::Radiance);
-        (!f_cos.is_black()).then(|| f_cos * self.power / at.cos_g(self.wo))
+        (!f_cos.is_black()).then(|| f_cos * self.power / (at.cos_g(self.wo) * at.opacity))
     }
 }

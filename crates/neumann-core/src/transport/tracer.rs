@@ -190,6 +190,11 @@ impl<'a> Tracer<'a> {
             distance: hit.t,
             bsdf: material.bsdf(&attributes.inputs()),
             material,
+            opacity: if material.has_alpha() {
+                material.opacity(&attributes.inputs())
+            } else {
+                1.0
+            },
             triangle: hit.triangle,
             barycentrics: hit.barycentrics,
         }

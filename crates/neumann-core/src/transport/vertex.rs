@@ -30,6 +30,8 @@ pub struct SurfaceVertex<'a> {
     pub bsdf: Bsdf,
     /// Its material.
     pub material: &'a Material,
+    /// Probability with which it stopped the ray: below 1 for alpha.
+    pub opacity: f32,
     /// Index of the triangle.
     pub triangle: u32,
     /// Barycentric coordinates of the second and third corner.

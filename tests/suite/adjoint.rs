@@ -33,7 +33,8 @@ fn compare(name: &str, scene: &Arc<Scene>, layers: std::ops::Range<usize>) {
                     expected.block(block, layer)[1],
                 );
                 // Blocks that hardly any light reaches say nothing.
-                if b.mean <= 0.0 || b.standard_error > 0.05 * b.mean {
+                let least = 0.01 * expected.layer(layer)[1].mean;
+                if b.mean <= least || b.standard_error > 0.05 * b.mean {
                     continue;
                 }
                 let what = format!("{name}, {id}, T{layer}: {a:?} against {b:?}");

@@ -183,8 +183,8 @@ enum Show {
 }
 
 struct PhotonMap {
-    photons: Vec<Photon>,
-    grid: HashGrid,
+    grid: HashGrid<Photon>,
+
     radius: f32,
     n_paths: usize,
 }
@@ -222,8 +222,8 @@ impl Integrator for PhotonMapping {
         pass.report(PhotonReport {
             radius: map.radius,
             n_paths: map.n_paths,
-            n_vertices: map.photons.len(),
-            bytes: size_of_val(map.photons.as_slice()) + map.grid.bytes(),
+            n_vertices: map.grid.len(),
+            bytes: map.grid.bytes(),
         });
         // Second pass.
         let done = match self.show {
@@ -271,8 +271,8 @@ impl PhotonMapping {
         let iteration = if self.is_kept { 0 } else { pass.iteration() };
         let radius = self.radius.at(scene, iteration);
         Ok(PhotonMap {
-            grid: HashGrid::new(&paths.items, radius, |photon| photon.position),
-            photons: paths.items,
+            grid: HashGrid::new(&paths.items, radius, |photon| *photon),
+
             radius,
             n_paths,
         })
@@ -460,12 +460,12 @@ impl Eye<'_> {
         if n_nearest == 0 {
             let r2 = map.radius * map.radius;
             map.grid
-                .for_each_near(x, |index, d2| add(&map.photons[index], d2, r2));
+                .for_each_near(x, |photon, _, d2| add(photon, d2, r2));
             return;
         }
         nearest.clear();
         map.grid
-            .for_each_near(x, |index, d2| nearest.push((d2, index as u32)));
+            .for_each_near(x, |_, number, d2| nearest.push((d2, number)));
         let mut r2 = map.radius * map.radius;
         if nearest.len() > n_nearest {
             // The disk reaches to the first photon that is left out.
@@ -476,7 +476,7 @@ impl Eye<'_> {
             nearest.sort_unstable_by_key(|(_, index)| *index);
         }
         for (d2, index) in nearest.iter() {
-            add(&map.photons[*index as usize], *d2, r2);
+            add(&map.grid.entries()[*index as usize], *d2, r2);
         }
     }
 }
@@ -515,8 +515,9 @@ fn show_photons(
     show: Show,
 ) -> Result<(), Cancelled> {
     let camera = pass.camera();
-    let n = map.photons.len();
-    let sum: f64 = map.photons.iter().map(|p| f64::from(p.power.mean())).sum();
+    let photons = map.grid.entries();
+    let n = photons.len();
+    let sum: f64 = photons.iter().map(|p| f64::from(p.power.mean())).sum();
     let mean = (sum / n.max(1) as f64) as f32;
     let numbers = pass.light_numbers(n);
     pass.trace_light_paths(
@@ -524,7 +525,7 @@ fn show_photons(
         n,
         numbers,
         |index, tracer, sampler, sink, _: &mut Vec<()>| {
-            let photon = &map.photons[index];
+            let photon = &photons[index];
             let Some((aim, raster)) = camera.aim(photon.position, sampler.next_2d()) else {
                 return;
             };

@@ -12,11 +12,13 @@
 //! Three numbers run along with each walk, `d_vcm`, `d_vc` and `d_vm`, from which the weight of any joint
 //! follows. The radius shrinks from iteration to iteration, so that the bias of merging vanishes.
 
+use glam::Vec3;
+
 use crate::film::{Contribution, PhotonReport, Strategy};
 use crate::integrator::{
     Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
 };
-use crate::photons::{HashGrid, Photon};
+use crate::photons::{HashGrid, Photon, Placed};
 use crate::render::{Cancelled, Pass};
 use crate::scene::Scene;
 use crate::transport::Tracer;
@@ -83,11 +85,24 @@ struct Vcm {
     n_light_paths: Option<usize>,
 }
 
-/// A light vertex as it is kept: the photon, and what is needed to make the surface there again.
+/// A light vertex as merging needs it.
 #[derive(Clone, Copy, Debug)]
-struct LightVertex {
+struct Mergeable {
     photon: Photon,
     partial: Partial,
+}
+
+impl Placed for Mergeable {
+    #[inline]
+    fn position(&self) -> Vec3 {
+        self.photon.position
+    }
+}
+
+/// A light vertex as connecting needs it: also what makes the surface there again.
+#[derive(Clone, Copy, Debug)]
+struct LightVertex {
+    kept: Mergeable,
     triangle: u32,
     barycentrics: [f32; 2],
 }
@@ -148,8 +163,7 @@ impl Integrator for Vcm {
                     }
                 }
             })?;
-        let grid = has_merges
-            .then(|| HashGrid::new(&paths.items, radius, |vertex| vertex.photon.position));
+        let grid = has_merges.then(|| HashGrid::new(&paths.items, radius, |vertex| vertex.kept));
         pass.report(PhotonReport {
             radius: if has_merges { radius } else { 0.0 },
             n_paths,
@@ -212,9 +226,9 @@ impl Integrator for Vcm {
                         }
                     }
                     if let (true, Some(grid)) = (joins, &grid) {
-                        grid.for_each_near(vertex.surface.point.position, |index, _| {
-                            let light = &paths.items[index];
-                            let strategy = Strategy::merge(light.n_vertices(), vertex.n_vertices);
+                        grid.for_each_near(vertex.surface.point.position, |light, _, _| {
+                            let strategy =
+                                Strategy::merge(light.photon.n_vertices, vertex.n_vertices);
                             if strategy.bounce() > max_bounces {
                                 return;
                             }
@@ -251,8 +265,8 @@ impl Vcm {
             return Ok(n);
         }
         let n_pixels = pass.n_pixels();
-        // A vertex, its entry in the grid, and its share of the grid's table.
-        let bytes = size_of::<LightVertex>() + 24;
+        // A vertex, its copy in the grid, and its share of the grid's table and order.
+        let bytes = size_of::<LightVertex>() + size_of::<Mergeable>() + 12;
         let longest = n_pixels.saturating_mul(pass.max_bounces() as usize + 1);
         let n = if longest.saturating_mul(bytes) <= MEMORY {
             n_pixels
@@ -295,24 +309,26 @@ impl Vcm {
 impl LightVertex {
     fn of(vertex: &Vertex<'_>) -> Self {
         Self {
-            photon: vertex.photon(),
-            partial: vertex.partial,
+            kept: Mergeable {
+                photon: vertex.photon(),
+                partial: vertex.partial,
+            },
             triangle: vertex.surface.triangle,
             barycentrics: vertex.surface.barycentrics,
         }
     }
 
     fn n_vertices(&self) -> u16 {
-        self.photon.n_vertices
+        self.kept.photon.n_vertices
     }
 
     /// The vertex as its walk had it.
     fn restored<'a>(&self, tracer: &Tracer<'a>) -> Vertex<'a> {
-        let photon = &self.photon;
+        let photon = &self.kept.photon;
         Vertex {
             surface: tracer.surface_at(self.triangle, self.barycentrics, photon.wo),
             throughput: photon.power,
-            partial: self.partial,
+            partial: self.kept.partial,
             // A segment's absorption is that on the camera vertex's side of it.
             medium: crate::transport::Medium::VACUUM,
             n_vertices: photon.n_vertices,

@@ -1,44 +1,45 @@
 //! Points found by place: a grid of cells as wide as twice the radius, hashed into a table.
 //!
 //! A ball of the radius meets at most 2×2×2 cells. Points of a cell lie side by side, in the order
-//! in which they were given, so that sums over them have the same bits for any number of threads.
+//! in which they were given, so that sums over them have the same bits for any number of threads. They are
+//! kept as copies, since a search that had to follow indices would wait for memory most of its time.
 
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
-/// An index over points.
+/// Things that have a place, sorted by it.
 #[derive(Clone, Debug)]
-pub struct HashGrid {
+pub struct HashGrid<T> {
     radius: f32,
     cells_per_metre: f32,
     mask: u32,
     /// `starts[bucket]..starts[bucket + 1]`: its entries.
     starts: Vec<u32>,
-    entries: Vec<Entry>,
+    entries: Vec<T>,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Entry {
-    position: Vec3,
-    index: u32,
+/// Something that has a place.
+pub trait Placed {
+    /// World space, metres.
+    fn position(&self) -> Vec3;
 }
 
-impl HashGrid {
-    /// An index over `points`, each of whose position `position` tells, for searches within `radius`, metres.
+impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
+    /// Copies of what `entry` makes of each of `items`, for searches within `radius`, metres.
     #[must_use]
-    pub fn new<T: Sync>(points: &[T], radius: f32, position: impl Fn(&T) -> Vec3 + Sync) -> Self {
-        let n_buckets = points.len().next_power_of_two().max(16);
+    pub fn new<I: Sync>(items: &[I], radius: f32, entry: impl Fn(&I) -> T + Sync) -> Self {
+        let n_buckets = items.len().next_power_of_two().max(16);
         let mut grid = Self {
             radius,
             cells_per_metre: 0.5 / radius,
             mask: n_buckets as u32 - 1,
             starts: vec![0; n_buckets + 1],
-            entries: vec![Entry::default(); points.len()],
+            entries: Vec::new(),
         };
-        let buckets: Vec<u32> = points
+        let buckets: Vec<u32> = items
             .par_iter()
             .with_min_len(4096)
-            .map(|point| grid.bucket(grid.cell(position(point))))
+            .map(|item| grid.bucket(grid.cell(entry(item).position())))
             .collect();
         for bucket in &buckets {
             grid.starts[*bucket as usize + 1] += 1;
@@ -49,16 +50,19 @@ impl HashGrid {
             *start = sum;
         }
         // Each bucket's start is moved to its end while it is filled, and all back by one place after it.
+        let mut order = vec![0u32; items.len()];
         for (index, bucket) in buckets.iter().enumerate() {
             let place = &mut grid.starts[*bucket as usize];
-            grid.entries[*place as usize] = Entry {
-                position: position(&points[index]),
-                index: index as u32,
-            };
+            order[*place as usize] = index as u32;
             *place += 1;
         }
         grid.starts.rotate_right(1);
         grid.starts[0] = 0;
+        grid.entries = order
+            .into_par_iter()
+            .with_min_len(4096)
+            .map(|index| entry(&items[index as usize]))
+            .collect();
         grid
     }
 
@@ -68,9 +72,27 @@ impl HashGrid {
         size_of_val(self.starts.as_slice()) + size_of_val(self.entries.as_slice())
     }
 
-    /// Calls `found` with the index and the squared distance of each point within the radius of `x`.
+    /// Number of entries.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// True if there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// All entries, in the grid's own order.
+    #[must_use]
+    pub fn entries(&self) -> &[T] {
+        &self.entries
+    }
+
+    /// Calls `found` with each entry within the radius of `x`, its number, and its squared distance.
     #[inline]
-    pub fn for_each_near(&self, x: Vec3, mut found: impl FnMut(usize, f32)) {
+    pub fn for_each_near(&self, x: Vec3, mut found: impl FnMut(&T, u32, f32)) {
         let base = (x * self.cells_per_metre - 0.5).floor().as_ivec3();
         let radius_squared = self.radius * self.radius;
         let mut seen = [u32::MAX; 8];
@@ -90,10 +112,11 @@ impl HashGrid {
                 self.starts[bucket as usize],
                 self.starts[bucket as usize + 1],
             );
-            for entry in &self.entries[start as usize..end as usize] {
-                let distance_squared = entry.position.distance_squared(x);
+            let entries = &self.entries[start as usize..end as usize];
+            for (number, entry) in (start..).zip(entries) {
+                let distance_squared = entry.position().distance_squared(x);
                 if distance_squared < radius_squared {
-                    found(entry.index as usize, distance_squared);
+                    found(entry, number, distance_squared);
                 }
             }
         }
@@ -119,8 +142,14 @@ impl HashGrid {
 mod tests {
     use glam::Vec3;
 
-    use super::HashGrid;
+    use super::{HashGrid, Placed};
     use crate::sampling::Sampler;
+
+    impl Placed for (Vec3, usize) {
+        fn position(&self) -> Vec3 {
+            self.0
+        }
+    }
 
     #[test]
     fn finds_what_is_near_once_and_nothing_else() {
@@ -131,12 +160,13 @@ mod tests {
                 Vec3::new(x, y, sampler.next_1d()) * 4.0 - 2.0
             })
             .collect();
+        let numbered: Vec<(Vec3, usize)> = points.iter().copied().zip(0..).collect();
         for radius in [0.01, 0.2, 1.5] {
-            let grid = HashGrid::new(&points, radius, |p| *p);
+            let grid = HashGrid::new(&numbered, radius, |p| *p);
             for x in points.iter().step_by(37) {
                 let x = *x + 0.3 * radius;
                 let mut found = Vec::new();
-                grid.for_each_near(x, |i, _| found.push(i));
+                grid.for_each_near(x, |entry, _, _| found.push(entry.1));
                 found.sort_unstable();
                 let near = |p: &Vec3| p.distance_squared(x) < radius * radius;
                 let expected: Vec<usize> =
@@ -148,7 +178,7 @@ mod tests {
 
     #[test]
     fn an_empty_grid_finds_nothing() {
-        let grid = HashGrid::new(&[] as &[Vec3], 0.1, |p| *p);
-        grid.for_each_near(Vec3::ZERO, |_, _| panic!("there is nothing"));
+        let grid = HashGrid::new(&[] as &[(Vec3, usize)], 0.1, |p| *p);
+        grid.for_each_near(Vec3::ZERO, |_, _, _| panic!("there is nothing"));
     }
 }

@@ -7,7 +7,7 @@
 mod hash_grid;
 mod kernel;
 
-pub use hash_grid::HashGrid;
+pub use hash_grid::{HashGrid, Placed};
 pub use kernel::Kernel;
 
 use glam::Vec3;
@@ -31,6 +31,13 @@ pub struct Photon {
     pub power: Rgb,
     /// Vertices of its path, this one and the light included.
     pub n_vertices: u16,
+}
+
+impl Placed for Photon {
+    #[inline]
+    fn position(&self) -> Vec3 {
+        self.position
+    }
 }
 
 /// Photons whose surface is turned by more than this against the surface asked are on another one: cosine.

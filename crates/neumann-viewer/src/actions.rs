@@ -9,7 +9,7 @@ use crate::app::{App, WindowRequest};
 use crate::display::image_area;
 use crate::keys::Action;
 use crate::panels::Page;
-use crate::{save, stage};
+use crate::{save, stage, techniques};
 
 impl App {
     /// Does what a key or a button asks for.
@@ -60,6 +60,7 @@ impl App {
                 let is_dark = ctx.theme() == Theme::Dark;
                 ctx.set_theme(if is_dark { Theme::Light } else { Theme::Dark });
             }
+            Action::Techniques => techniques::toggle(self),
             Action::Help => self.is_help_open = !self.is_help_open,
             Action::Fullscreen => self.requests.push(WindowRequest::Fullscreen),
             Action::Escape => self.escape(ctx),
@@ -155,6 +156,8 @@ impl App {
         } else if self.is_menu_open {
             self.is_menu_open = false;
         } else if self.notices.close_newest() {
+        } else if self.techniques.is_open {
+            self.techniques.step_back();
         } else if self.viewing.is_wiping || self.viewing.is_difference {
             self.viewing.is_wiping = false;
             self.viewing.is_difference = false;

@@ -223,6 +223,30 @@ impl TechniqueFilm {
         }
     }
 
+    /// The techniques of each bounce that have made anything yet, as [`Self::techniques`], with their
+    /// [`Self::share`]: all of them in the time of one.
+    #[must_use]
+    pub fn shares(&self) -> Vec<Vec<(Strategy, f64)>> {
+        let sum = |pixels: &[Rgb]| pixels.iter().map(|c| f64::from(c.luminance())).sum::<f64>();
+        let mut total = sum(&self.rest);
+        let mut shares: Vec<Vec<(Strategy, f64)>> = Vec::new();
+        for bounce in 0..self.n_bounces {
+            let energies = techniques_of(bounce).filter_map(|strategy| {
+                let plane = self.planes[index_of(strategy)].as_ref()?;
+                Some((strategy, sum(&plane.weighted)))
+            });
+            let energies: Vec<_> = energies.collect();
+            total += energies.iter().map(|(_, energy)| energy).sum::<f64>();
+            shares.push(energies);
+        }
+        if total > 0.0 {
+            for (_, energy) in shares.iter_mut().flatten() {
+                *energy /= total;
+            }
+        }
+        shares
+    }
+
     /// Sums over iterations and pixels to means; pixels at the lower and right edge may be cut.
     fn mean(&self, sums: &[Rgb]) -> Vec<Rgb> {
         let n = (self.divisor * self.divisor) as f32 * self.n_iterations.max(1) as f32;

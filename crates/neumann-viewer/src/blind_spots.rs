@@ -7,7 +7,7 @@ use neumann_core::scene::Appearance;
 
 /// What is missing from a view of the scene, in a line; `None` if nothing is.
 ///
-/// Emitted light is seen by every method, so the term L_e never lacks anything.
+/// Emitted light is seen by every method, so the term `L_e` never lacks anything.
 #[must_use]
 pub fn note(sight: Sight, scene: &Appearance, view: View, n_layers: usize) -> Option<String> {
     let layers = view.layers(n_layers)?;

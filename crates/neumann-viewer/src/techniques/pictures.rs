@@ -31,7 +31,7 @@ pub(super) struct Allowance {
 impl Allowance {
     pub(super) fn new() -> Self {
         Self {
-            until: Instant::now() + Duration::from_millis(3),
+            until: Instant::now() + Duration::from_millis(2),
             is_first: true,
         }
     }

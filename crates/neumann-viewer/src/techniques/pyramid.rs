@@ -1,12 +1,14 @@
 //! All techniques at once, one row for each bounce; or one of them, large.
 
+use std::sync::Arc;
+
 use egui::{
-    Align2, Color32, Painter, Pos2, Rect, Role, ScrollArea, Sense, Ui, UiBuilder, Vec2, WidgetInfo,
-    pos2,
+    Align2, Color32, FontId, Galley, Painter, Pos2, Rect, Response, Role, ScrollArea, Sense,
+    Stroke, StrokeKind, TextureId, Ui, UiBuilder, Vec2, WidgetInfo, pos2,
 };
 use neumann_core::film::{Joint, Strategy, TechniqueFilm, TechniqueImage, View};
 
-use super::pictures::{Allowance, Made};
+use super::pictures::{Allowance, Made, Tile};
 use super::{TechniqueView, description, label};
 use crate::app::App;
 use crate::display::{ViewSettings, ground};
@@ -60,26 +62,25 @@ fn head_line(ui: &mut Ui, rect: Rect, view: &mut TechniqueView, p: &Palette) {
         pos2(rect.right() - 2.0 * GRID - width, rect.center().y - 14.0),
         Vec2::new(width, 28.0),
     );
-    let painter = ui.painter().with_clip_rect(Rect::from_min_max(
-        rect.min,
-        pos2(spot.left() - GRID, rect.bottom()),
-    ));
     let left = rect.left() + 2.0 * GRID;
+    let room = spot.left() - GRID - left;
     let middle = rect.center().y;
-    let title = "Techniques: s vertices from the light, t from the camera";
-    painter.text(
-        pos2(left, middle),
-        Align2::LEFT_BOTTOM,
-        title,
-        theme::body(),
-        p.text,
-    );
+    let title = [
+        "Techniques: s vertices from the light, t from the camera",
+        "Techniques (s, t)",
+    ];
+    let title = fitting(ui, title.map(str::to_owned), room, theme::body(), p.text);
+    let at = pos2(left, middle - title.size().y);
+    ui.painter().galley(at, title, p.text);
     if let Some(film) = &view.film {
         let megabytes = film.bytes() as f64 / 1e6;
         let (w, h) = (film.width(), film.height());
-        let text = format!("kept apart at {w}×{h}, up to {megabytes:.0} MB");
-        let at = pos2(left, middle + 1.0);
-        painter.text(at, Align2::LEFT_TOP, text, theme::small(), p.weak);
+        let cost = [
+            format!("kept apart at {w}×{h}, up to {megabytes:.0} MB"),
+            format!("at {w}×{h}, up to {megabytes:.0} MB"),
+        ];
+        let cost = fitting(ui, cost, room, theme::small(), p.weak);
+        ui.painter().galley(pos2(left, middle + 1.0), cost, p.weak);
     }
     let chosen = TechniqueImage::ALL.iter().position(|i| *i == view.image);
     let clicked = ui
@@ -91,6 +92,12 @@ fn head_line(ui: &mut Ui, rect: Rect, view: &mut TechniqueView, p: &Palette) {
     if let Some(i) = clicked {
         view.image = TechniqueImage::ALL[i];
     }
+}
+
+/// The longer text if there is room for it, else the shorter.
+fn fitting(ui: &Ui, texts: [String; 2], room: f32, font: FontId, color: Color32) -> Arc<Galley> {
+    let [long, short] = texts.map(|text| ui.painter().layout_no_wrap(text, font.clone(), color));
+    if long.size().x <= room { long } else { short }
 }
 
 fn made(view: &TechniqueView, viewing: &ViewSettings) -> Made {
@@ -153,8 +160,7 @@ fn pyramid(
             let seen = viewport.translate(content.min.to_vec2()).expand(2.0);
             for (k, row) in view.rows.iter_mut().enumerate() {
                 let top = content.top() + k as f32 * layout.pitch.y;
-                let y = top..top + layout.pitch.y;
-                if row.is_empty() || y.end < seen.top() || y.start > seen.bottom() {
+                if row.is_empty() {
                     continue;
                 }
                 let at = pos2(rect.left() + 2.0 * GRID, top + 0.5 * layout.image.y - 10.0);
@@ -171,56 +177,53 @@ fn pyramid(
                         pos2((left + x).round(), top.round()),
                         layout.pitch - Vec2::splat(GRID),
                     );
+                    // What is scrolled away can still be reached by keyboard.
+                    let response =
+                        ui.interact(spot, ui.scope_id().with(tile.strategy), Sense::click());
+                    name_for_ears(&response, tile.strategy, tile.share);
+                    if response.gained_focus() {
+                        response.scroll_to_me(None);
+                    }
+                    if response.clicked() {
+                        view.enlarged = Some(tile.strategy);
+                    }
                     if !spot.intersects(seen) {
                         continue;
                     }
                     let texture = tile.picture(ui.ctx(), film, wanted, &mut allowance);
-                    let (strategy, share) = (tile.strategy, tile.share);
                     let picture = Rect::from_min_size(
                         pos2(spot.center().x - 0.5 * layout.image.x, spot.top()).round(),
                         layout.image,
                     );
-                    if tile_of(ui, spot, picture, texture, strategy, share) {
-                        view.enlarged = Some(strategy);
-                    }
+                    paint(ui.painter(), texture, picture);
+                    caption(ui, &response, picture, tile);
                 }
             }
         });
     });
 }
 
-/// One image with its label and share; true when it was clicked.
-fn tile_of(
-    ui: &Ui,
-    spot: Rect,
-    picture: Rect,
-    texture: Option<egui::TextureId>,
-    strategy: Strategy,
-    share: f64,
-) -> bool {
+/// What stands on and under an image: share and label.
+fn caption(ui: &Ui, response: &Response, picture: Rect, tile: &Tile) {
     let p = Palette::of(ui);
-    let response = ui.interact(spot, ui.scope_id().with(strategy), Sense::click());
-    paint(ui.painter(), texture, picture);
+    let painter = ui.painter();
     if response.hovered() {
-        let stroke = egui::Stroke::new(1.0, p.strong);
-        ui.painter()
-            .rect_stroke(picture, 0, stroke, egui::StrokeKind::Outside);
+        let stroke = Stroke::new(1.0, p.strong);
+        painter.rect_stroke(picture, 0, stroke, StrokeKind::Outside);
     }
-    chip(ui.painter(), picture.max - Vec2::splat(3.0), share, &p);
+    chip(painter, picture.max - Vec2::splat(3.0), tile.share, &p);
     let color = if response.hovered() { p.text } else { p.weak };
-    ui.painter().text(
-        pos2(spot.center().x, picture.bottom() + 2.0),
+    painter.text(
+        pos2(picture.center().x, picture.bottom() + 2.0),
         Align2::CENTER_TOP,
-        label(strategy),
+        label(tile.strategy),
         theme::small(),
         color,
     );
-    focus_ring(ui, &response, spot, 2);
-    name_for_ears(&response, strategy, share);
-    response.clicked()
+    focus_ring(ui, response, response.rect, 2);
 }
 
-fn name_for_ears(response: &egui::Response, strategy: Strategy, share: f64) {
+fn name_for_ears(response: &Response, strategy: Strategy, share: f64) {
     let name = format!("technique {}", label(strategy));
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     response.ctx.accesskit_node_builder(response.id, |node| {
@@ -230,7 +233,7 @@ fn name_for_ears(response: &egui::Response, strategy: Strategy, share: f64) {
     });
 }
 
-fn paint(painter: &Painter, texture: Option<egui::TextureId>, rect: Rect) {
+fn paint(painter: &Painter, texture: Option<TextureId>, rect: Rect) {
     match texture {
         Some(texture) => {
             let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));

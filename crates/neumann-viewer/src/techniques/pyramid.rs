@@ -121,15 +121,13 @@ impl Layout {
         let widest = view.rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as f32;
         let fitting = (room.x - MERGE_GAP) / widest - GRID;
         let aspect = film.width() as f32 / film.height().max(1) as f32;
-        let tallest = 0.3 * room.y;
+        let tallest = 0.2 * room.y;
         let width = fitting.clamp(88.0, 176.0).min((tallest * aspect).max(64.0));
         let image = Vec2::new(width, width / aspect).round();
         // Labels of merges need some room whatever the shape of the image.
         let pitch = Vec2::new(image.x.max(84.0) + GRID, image.y + LABEL + GRID);
-        let size = Vec2::new(
-            widest * pitch.x + MERGE_GAP,
-            view.rows.len() as f32 * pitch.y + GRID,
-        );
+        let n_rows = view.rows.iter().filter(|row| !row.is_empty()).count();
+        let size = Vec2::new(widest * pitch.x + MERGE_GAP, n_rows as f32 * pitch.y + GRID);
         Self { image, pitch, size }
     }
 }
@@ -158,11 +156,10 @@ fn pyramid(
             let size = layout.size.max(room.size());
             let (content, _) = ui.allocate_exact_size(size, Sense::hover());
             let seen = viewport.translate(content.min.to_vec2()).expand(2.0);
-            for (k, row) in view.rows.iter_mut().enumerate() {
-                let top = content.top() + k as f32 * layout.pitch.y;
-                if row.is_empty() {
-                    continue;
-                }
+            let rows = view.rows.iter_mut().enumerate();
+            let rows = rows.filter(|(_, row)| !row.is_empty());
+            for (place, (k, row)) in rows.enumerate() {
+                let top = content.top() + place as f32 * layout.pitch.y;
                 let at = pos2(rect.left() + 2.0 * GRID, top + 0.5 * layout.image.y - 10.0);
                 Formula::name(&names, View::Term(k), theme::BODY, p.text).paint(&names, at);
                 let is_merge = |s: Strategy| s.joint == Joint::Merge;

@@ -300,7 +300,34 @@ impl TechniqueFilm {
 
 #[cfg(test)]
 mod tests {
-    use super::{index_of, techniques_of};
+    use super::{Strategy, TechniqueFilm, index_of, techniques_of};
+    use crate::radiometry::Rgb;
+
+    #[test]
+    fn shares_of_all_are_the_shares_of_each() {
+        let mut film = TechniqueFilm::new(2, 1, 1, 2);
+        let record = |strategy, value| {
+            film.shape()
+                .record((0, 0), strategy, Rgb::splat(value), 0.5)
+        };
+        let records = [
+            record(Strategy::hit(2), 1.0),
+            record(Strategy::connect(1, 2), 3.0),
+            record(Strategy::hit(9), 4.0),
+        ];
+        film.take(&records);
+        film.end_iteration();
+        let shares = film.shares();
+        assert_eq!(shares.len(), 2);
+        assert_eq!(
+            shares[0],
+            [(Strategy::hit(2), film.share(Strategy::hit(2)))]
+        );
+        let (strategy, share) = shares[1][0];
+        assert_eq!(strategy, Strategy::connect(1, 2));
+        assert!((share - 3.0 / 8.0).abs() < 1e-6, "{share}");
+        assert!((film.share(strategy) - share).abs() < 1e-12);
+    }
 
     #[test]
     fn techniques_are_numbered_without_gaps() {

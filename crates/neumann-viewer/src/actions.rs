@@ -148,9 +148,10 @@ impl App {
 
     /// Closes the uppermost thing over the picture.
     fn escape(&mut self, ctx: &Context) {
-        let focused = ctx.memory(|m| m.focused());
-        if let Some(id) = focused {
-            ctx.memory_mut(|m| m.surrender_focus(id));
+        if self.had_focus {
+            if let Some(id) = ctx.memory(|m| m.focused()) {
+                ctx.memory_mut(|m| m.surrender_focus(id));
+            }
         } else if self.is_help_open {
             self.is_help_open = false;
         } else if self.is_menu_open {

@@ -59,6 +59,8 @@ pub struct App {
     pub gallery: Gallery,
     /// What the window itself is to do.
     pub requests: Vec<WindowRequest>,
+    /// A control had the keyboard at the end of the last frame; the toolkit takes it away at Esc itself.
+    pub(crate) had_focus: bool,
     pub(crate) placement: Option<image_area::Placement>,
     options: ViewOptions,
     is_first_scene: bool,
@@ -124,6 +126,7 @@ impl App {
             material: None,
             gallery: Gallery::new(wake),
             requests: Vec::new(),
+            had_focus: false,
             placement: None,
             options,
             is_first_scene: true,
@@ -245,6 +248,7 @@ impl App {
         if self.is_help_open {
             help::show(ui, &mut self.is_help_open);
         }
+        self.had_focus = ctx.memory(|m| m.focused().is_some());
         self.start_if_changed();
     }
 

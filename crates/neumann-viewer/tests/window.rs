@@ -319,6 +319,10 @@ fn techniques_open_enlarge_and_close() {
         click(&mut harness, "enlarged technique s=1 t=2");
         assert_eq!(harness.state().techniques.enlarged, None);
         click(&mut harness, "technique s=1 t=3");
+        press(&mut harness, Key::F6);
+        press(&mut harness, Key::Escape);
+        assert!(harness.ctx.memory(|m| m.focused()).is_none());
+        assert!(harness.state().techniques.enlarged.is_some());
         press(&mut harness, Key::Escape);
         assert!(harness.state().techniques.is_open, "back to all of them");
         press(&mut harness, Key::Escape);

@@ -100,6 +100,7 @@ static STUMBLING: Method = Method {
     blind_spots: "",
     sight: Sight::FULL,
     bias: None,
+    has_techniques: false,
     parameters: &[],
     build: |_: &ParameterValues| Box::new(Stumbling),
 };

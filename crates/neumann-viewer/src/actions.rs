@@ -9,7 +9,7 @@ use crate::app::{App, WindowRequest};
 use crate::display::image_area;
 use crate::keys::Action;
 use crate::panels::Page;
-use crate::{save, stage};
+use crate::{save, stage, techniques};
 
 impl App {
     /// Does what a key or a button asks for.
@@ -60,6 +60,7 @@ impl App {
                 let is_dark = ctx.theme() == Theme::Dark;
                 ctx.set_theme(if is_dark { Theme::Light } else { Theme::Dark });
             }
+            Action::Techniques => techniques::toggle(self),
             Action::Help => self.is_help_open = !self.is_help_open,
             Action::Fullscreen => self.requests.push(WindowRequest::Fullscreen),
             Action::Escape => self.escape(ctx),
@@ -147,14 +148,17 @@ impl App {
 
     /// Closes the uppermost thing over the picture.
     fn escape(&mut self, ctx: &Context) {
-        let focused = ctx.memory(|m| m.focused());
-        if let Some(id) = focused {
-            ctx.memory_mut(|m| m.surrender_focus(id));
+        if self.had_focus {
+            if let Some(id) = ctx.memory(|m| m.focused()) {
+                ctx.memory_mut(|m| m.surrender_focus(id));
+            }
         } else if self.is_help_open {
             self.is_help_open = false;
         } else if self.is_menu_open {
             self.is_menu_open = false;
         } else if self.notices.close_newest() {
+        } else if self.techniques.is_open {
+            self.techniques.step_back();
         } else if self.viewing.is_wiping || self.viewing.is_difference {
             self.viewing.is_wiping = false;
             self.viewing.is_difference = false;

@@ -18,6 +18,7 @@ use crate::render_link::RenderLink;
 use crate::scene_source::{Arrival, Background, Wanted};
 use crate::setup::Setup;
 use crate::status::{self, Status};
+use crate::techniques::{self, TechniqueView};
 use crate::{filmstrip, help, stage, theme, top_bar};
 
 /// All state of the window.
@@ -30,6 +31,8 @@ pub struct App {
     pub viewing: ViewSettings,
     /// The film as of this frame.
     pub picture: Picture,
+    /// The techniques of a bidirectional method, apart.
+    pub techniques: TechniqueView,
     /// What runs in the background.
     pub background: Background,
     /// What the window has to say.
@@ -56,6 +59,8 @@ pub struct App {
     pub gallery: Gallery,
     /// What the window itself is to do.
     pub requests: Vec<WindowRequest>,
+    /// A control had the keyboard at the end of the last frame; the toolkit takes it away at Esc itself.
+    pub(crate) had_focus: bool,
     pub(crate) placement: Option<image_area::Placement>,
     options: ViewOptions,
     is_first_scene: bool,
@@ -107,6 +112,7 @@ impl App {
             setup,
             viewing,
             picture: Picture::default(),
+            techniques: TechniqueView::default(),
             background: Background::new(Arc::clone(&wake)),
             notices,
             recent: Recent::default(),
@@ -120,6 +126,7 @@ impl App {
             material: None,
             gallery: Gallery::new(wake),
             requests: Vec::new(),
+            had_focus: false,
             placement: None,
             options,
             is_first_scene: true,
@@ -231,11 +238,17 @@ impl App {
             "room for all draw calls"
         );
         self.follow_size(&ctx, stage_rect);
-        stage::show(ui, stage_rect, self);
+        techniques::attend(self);
+        if self.techniques.is_open {
+            techniques::show(ui, stage_rect, self);
+        } else {
+            stage::show(ui, stage_rect, self);
+        }
         self.notices.show(&ctx, stage_rect);
         if self.is_help_open {
             help::show(ui, &mut self.is_help_open);
         }
+        self.had_focus = ctx.memory(|m| m.focused().is_some());
         self.start_if_changed();
     }
 
@@ -282,9 +295,16 @@ impl App {
             is_paused: self.link.is_paused(),
             is_waiting: !self.is_current(),
             is_loading: self.is_loading(),
-            bias: self.setup.method().bias,
+            bias: self.bias(),
         };
         status::show(ui, rect, &status);
+    }
+
+    /// Why the picture is biased, if it is: a method that merges is not while nothing is merged.
+    fn bias(&self) -> Option<&'static str> {
+        let photons = self.picture.stats.photons.filter(|_| self.is_current());
+        let merges = photons.is_none_or(|photons| photons.radius > 0.0);
+        self.setup.method().bias.filter(|_| merges)
     }
 
     fn take_arrivals(&mut self, ctx: &Context) {

@@ -282,7 +282,12 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
         let y = chip.center().y;
         name.paint(&painter, pos2(chip.left() + 6.0, y - 10.0));
         let at = pos2(chip.right() - 6.0, y);
-        painter.text(at, Align2::RIGHT_CENTER, text, theme::small(), p.weak);
+        let shown = painter.layout_no_wrap(text, theme::small(), p.weak);
+        // Beside the name, where there is room for both.
+        if name.size.x + shown.size().x + 16.0 <= chip.width() {
+            let at = at - Vec2::new(shown.size().x, shown.size().y / 2.0);
+            painter.galley(at, shown, p.weak);
+        }
         if is_chosen {
             let stroke = Stroke::new(1.5, p.amber);
             painter.rect_stroke(chip, 4, stroke, StrokeKind::Inside);

@@ -45,6 +45,8 @@ pub enum Action {
     Wipe,
     /// The difference to the reference, on or off.
     Difference,
+    /// The techniques apart, or the picture.
+    Techniques,
     /// Open a scene.
     Open,
     /// Save the picture as PNG.
@@ -288,6 +290,12 @@ pub static HELP: &[HelpLine] = &[
         "G",
         "difference to the reference",
         &[on(NONE, Key::G, Action::Difference)],
+    ),
+    line(
+        DISPLAY,
+        "V",
+        "techniques (s, t) apart",
+        &[on(NONE, Key::V, Action::Techniques)],
     ),
     line(
         FILES,

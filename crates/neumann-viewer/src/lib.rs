@@ -3,12 +3,14 @@
 //! Rooms, in reading order: [`options`] says how the window begins; [`app`] owns
 //! all state and draws one frame, the same for the window (`window`), for
 //! screenshots without a display ([`offscreen`]) and for tests. [`setup`] is what is
-//! rendered, [`display`] how it is looked at; [`render_link`] is the only file that
+//! rendered, [`display`] how it is looked at,
+//! [`techniques`] what each technique of a bidirectional method adds; [`render_link`] is the only file that
 //! talks to the renderer. [`filmstrip`], [`stage`], [`panels`], [`top_bar`] and
 //! [`status`] are what one sees; [`keys`] is the one table of keys.
 
 mod actions;
 pub mod app;
+pub mod blind_spots;
 pub mod camera_control;
 pub mod display;
 pub mod filmstrip;
@@ -31,6 +33,7 @@ pub mod setup;
 pub mod stage;
 pub mod status;
 mod surface;
+pub mod techniques;
 pub mod theme;
 pub mod top_bar;
 pub mod widgets;

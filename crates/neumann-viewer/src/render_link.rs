@@ -14,6 +14,7 @@ pub struct RenderLink {
     started: Option<Job>,
     n_starts: u64,
     generation: u64,
+    is_recording: bool,
 }
 
 enum End {
@@ -56,6 +57,7 @@ impl RenderLink {
             started: None,
             n_starts: 0,
             generation: 0,
+            is_recording: false,
         }
     }
 
@@ -107,6 +109,20 @@ impl RenderLink {
             End::Live(render_loop) => render_loop.is_paused(),
             End::Fixed { is_paused, .. } => *is_paused,
         }
+    }
+
+    /// Begins or ends keeping techniques apart.
+    pub fn record_techniques(&mut self, is_on: bool) {
+        self.is_recording = is_on;
+        if let End::Live(render_loop) = &self.end {
+            render_loop.record_techniques(is_on);
+        }
+    }
+
+    /// True while techniques are kept apart.
+    #[must_use]
+    pub fn is_recording(&self) -> bool {
+        self.is_recording
     }
 
     /// Changes when rendering is done, without starting anew.

@@ -10,6 +10,7 @@ use neumann_core::film::View;
 use neumann_core::transport::Tracer;
 
 use crate::app::App;
+use crate::blind_spots;
 use crate::display::image_area::{self, Pictures, Placement};
 use crate::display::{Slot, ground, legend, values};
 use crate::formula::Formula;
@@ -299,7 +300,7 @@ fn wipe(ui: &Ui, rect: Rect, placement: &Placement, app: &mut App) {
 }
 
 /// Ground that lets text be read over any picture.
-fn plate(p: &Palette) -> egui::Color32 {
+pub(crate) fn plate(p: &Palette) -> egui::Color32 {
     p.ground.gamma_multiply(0.78)
 }
 
@@ -321,16 +322,43 @@ fn caption_of(painter: &egui::Painter, rect: Rect, app: &App, p: &Palette) {
         .as_ref()
         .map_or(0.0, |f| theme::CAPTION * 1.15 + f.size.y * 0.22);
     let galley = painter.layout_no_wrap(text, theme::body(), p.text);
+    let note = blind_spots_of(app).map(|note| {
+        let room = rect.width() - 6.0 * GRID;
+        painter.layout(note, theme::small(), p.weak, room)
+    });
     let width = formula
         .as_ref()
         .map_or(0.0, |f| f.size.x)
-        .max(galley.size().x);
-    let spot = Rect::from_min_size(at, Vec2::new(width, below + galley.size().y));
+        .max(galley.size().x)
+        .max(note.as_ref().map_or(0.0, |n| n.size().x));
+    let note_top = below + galley.size().y + 2.0;
+    let height = note
+        .as_ref()
+        .map_or(note_top - 2.0, |n| note_top + n.size().y);
+    let spot = Rect::from_min_size(at, Vec2::new(width, height));
     painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, plate(p));
     if let Some(formula) = formula {
         formula.paint(painter, at);
     }
     painter.galley(at + Vec2::new(0.0, below), galley, p.text);
+    if let Some(note) = note {
+        painter.galley(at + Vec2::new(0.0, note_top), note, p.weak);
+    }
+}
+
+/// What the method on screen cannot see of this view, if the picture is of it.
+fn blind_spots_of(app: &App) -> Option<String> {
+    let open = app.setup.open.as_ref()?;
+    if app.viewing.is_difference || !app.is_current() {
+        return None;
+    }
+    let (view, n_layers) = (app.viewing.view, app.picture.n_layers);
+    blind_spots::note(
+        app.setup.method().sight,
+        open.scene.appearance(),
+        view,
+        n_layers,
+    )
 }
 
 fn probe(ui: &Ui, rect: Rect, response: &Response, placement: &Placement, app: &App, p: &Palette) {

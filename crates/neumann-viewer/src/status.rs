@@ -105,6 +105,15 @@ fn facts(status: &Status<'_>) -> Vec<(String, String, String)> {
         let percent = significant(100.0 * stats.estimated_error, 2);
         facts.push(fact("estimated error", percent, "%"));
     }
+    if let Some(photons) = stats.photons {
+        if photons.radius > 0.0 {
+            let radius = significant(f64::from(photons.radius), 3);
+            facts.push(fact("radius", radius, "m"));
+        }
+        let stored = with_prefix(photons.n_vertices as f64);
+        let megabytes = significant(photons.bytes as f64 / 1e6, 2);
+        facts.push(fact("photons", stored, &format!("({megabytes} MB)")));
+    }
     facts.push(fact("refused", stats.n_refused.to_string(), ""));
     facts.push(fact(
         "",

@@ -4,7 +4,7 @@
 
 mod support;
 
-use egui::{Rect, Theme, Vec2};
+use egui::{Key, Rect, Theme, Vec2};
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
 use egui_kittest::{Harness, HarnessBuilder, SnapshotResults};
 use egui_wgpu::{RendererOptions, wgpu};
@@ -14,7 +14,7 @@ use neumann_picture::tone::ToneCurve;
 use neumann_viewer::app::App;
 use neumann_viewer::display::{Draw, FilmGpu, SharedPlanes, Slot, ViewSettings};
 
-use support::app;
+use support::{app, app_with_techniques};
 
 /// True if there is an adapter; otherwise says so, and fails where tests must really run.
 fn has_adapter() -> bool {
@@ -61,6 +61,14 @@ fn the_window_looks_as_it_did() {
         harness.run_steps(4);
         results.add(harness.try_snapshot(name));
     }
+    let size = [1280.0, 720.0];
+    let mut harness = builder(size, Theme::Dark)
+        .build_ui_state(|ui, app: &mut App| app.ui(ui), app_with_techniques());
+    harness.run_steps(4);
+    harness.key_press(Key::V);
+    // Each frame makes one picture at least.
+    harness.run_steps(32);
+    results.add(harness.try_snapshot("techniques"));
 }
 
 #[test]

@@ -8,20 +8,24 @@ mod support;
 use egui::{Key, Modifiers, Theme};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use neumann_core::film::View;
+use neumann_core::film::{Strategy, TechniqueImage, View};
 use neumann_core::integrator::METHODS;
 use neumann_core::render::StopRule;
 use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
 
-use support::app;
+use support::{app, app_with_techniques};
 
 fn harness(size: [f32; 2]) -> Harness<'static, App> {
+    harness_of(size, app())
+}
+
+fn harness_of(size: [f32; 2], app: App) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size(size)
         .with_pixels_per_point(1.0)
         .with_theme(Theme::Dark)
-        .build_ui_state(|ui, app: &mut App| app.ui(ui), app());
+        .build_ui_state(|ui, app: &mut App| app.ui(ui), app);
     harness.run_steps(4);
     harness
 }
@@ -265,4 +269,82 @@ fn help_lists_the_keys_and_escape_closes_it() {
     assert!(harness.query_by_label("keys").is_some());
     press(&mut harness, Key::Escape);
     assert!(!harness.state().is_help_open);
+}
+
+#[test]
+fn every_method_can_be_reached_and_keeps_camera_view_and_exposure() {
+    let mut harness = harness([1280.0, 720.0]);
+    press(&mut harness, Key::Num3);
+    press(&mut harness, Key::E);
+    let camera = harness.state().setup.settings().unwrap().camera;
+    let first = harness.state().setup.method;
+    for (key, step) in [
+        (Key::CloseBracket, 1),
+        (Key::OpenBracket, METHODS.len() - 1),
+    ] {
+        for n in 1..=METHODS.len() {
+            press(&mut harness, key);
+            let app = harness.state();
+            let expected = METHODS[(first + n * step) % METHODS.len()];
+            let job = app.link.started().unwrap();
+            assert_eq!(job.settings.method, expected);
+            assert_eq!(
+                job.settings.camera.world_from_camera,
+                camera.world_from_camera
+            );
+            assert_eq!(app.viewing.view, View::Term(3));
+            assert!((app.viewing.exposure_ev - 1.0 / 3.0).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn techniques_open_enlarge_and_close() {
+    for size in [[1280.0, 720.0], [900.0, 600.0]] {
+        let mut harness = harness_of(size, app_with_techniques());
+        assert!(!harness.state().link.is_recording());
+        press(&mut harness, Key::V);
+        assert!(harness.state().link.is_recording());
+        for strategy in ["s=0 t=2", "s=0 t=3", "s=1 t=2", "s=1 t=3", "s=2 t=2"] {
+            let label = format!("technique {strategy}");
+            assert!(harness.query_by_label(&label).is_some(), "{label}");
+        }
+        let sum: f64 = harness.state().techniques.techniques().map(|t| t.1).sum();
+        assert!(sum > 0.5 && sum < 1.0 + 1e-6, "shares add up to {sum}");
+        click(&mut harness, "technique image: raw");
+        assert_eq!(harness.state().techniques.image, TechniqueImage::Raw);
+        click(&mut harness, "technique s=1 t=2");
+        let enlarged = harness.state().techniques.enlarged;
+        assert_eq!(enlarged, Some(Strategy::connect(1, 2)));
+        click(&mut harness, "enlarged technique s=1 t=2");
+        assert_eq!(harness.state().techniques.enlarged, None);
+        click(&mut harness, "technique s=1 t=3");
+        press(&mut harness, Key::F6);
+        press(&mut harness, Key::Escape);
+        assert!(harness.ctx.memory(|m| m.focused()).is_none());
+        assert!(harness.state().techniques.enlarged.is_some());
+        press(&mut harness, Key::Escape);
+        assert!(harness.state().techniques.is_open, "back to all of them");
+        press(&mut harness, Key::Escape);
+        assert!(!harness.state().techniques.is_open);
+        assert!(!harness.state().link.is_recording());
+        assert_eq!(harness.state().link.n_starts(), 1, "a view never restarts");
+    }
+}
+
+#[test]
+fn techniques_close_with_their_method_and_with_another_view() {
+    let mut harness = harness_of([1280.0, 720.0], app_with_techniques());
+    click(&mut harness, "Techniques apart");
+    assert!(harness.state().link.is_recording());
+    press(&mut harness, Key::CloseBracket);
+    assert!(!harness.state().techniques.is_open, "pm has none");
+    assert!(!harness.state().link.is_recording());
+    press(&mut harness, Key::V);
+    assert!(!harness.state().techniques.is_open);
+    assert_eq!(harness.state().notices.texts().count(), 1);
+    press(&mut harness, Key::OpenBracket);
+    press(&mut harness, Key::V);
+    press(&mut harness, Key::Num2);
+    assert!(!harness.state().techniques.is_open, "the view is shown");
 }

@@ -223,6 +223,30 @@ impl TechniqueFilm {
         }
     }
 
+    /// The techniques of each bounce that have made anything yet, as [`Self::techniques`], with their
+    /// [`Self::share`]: all of them in the time of one.
+    #[must_use]
+    pub fn shares(&self) -> Vec<Vec<(Strategy, f64)>> {
+        let sum = |pixels: &[Rgb]| pixels.iter().map(|c| f64::from(c.luminance())).sum::<f64>();
+        let mut total = sum(&self.rest);
+        let mut shares: Vec<Vec<(Strategy, f64)>> = Vec::new();
+        for bounce in 0..self.n_bounces {
+            let energies = techniques_of(bounce).filter_map(|strategy| {
+                let plane = self.planes[index_of(strategy)].as_ref()?;
+                Some((strategy, sum(&plane.weighted)))
+            });
+            let energies: Vec<_> = energies.collect();
+            total += energies.iter().map(|(_, energy)| energy).sum::<f64>();
+            shares.push(energies);
+        }
+        if total > 0.0 {
+            for (_, energy) in shares.iter_mut().flatten() {
+                *energy /= total;
+            }
+        }
+        shares
+    }
+
     /// Sums over iterations and pixels to means; pixels at the lower and right edge may be cut.
     fn mean(&self, sums: &[Rgb]) -> Vec<Rgb> {
         let n = (self.divisor * self.divisor) as f32 * self.n_iterations.max(1) as f32;
@@ -276,7 +300,34 @@ impl TechniqueFilm {
 
 #[cfg(test)]
 mod tests {
-    use super::{index_of, techniques_of};
+    use super::{Strategy, TechniqueFilm, index_of, techniques_of};
+    use crate::radiometry::Rgb;
+
+    #[test]
+    fn shares_of_all_are_the_shares_of_each() {
+        let mut film = TechniqueFilm::new(2, 1, 1, 2);
+        let record = |strategy, value| {
+            film.shape()
+                .record((0, 0), strategy, Rgb::splat(value), 0.5)
+        };
+        let records = [
+            record(Strategy::hit(2), 1.0),
+            record(Strategy::connect(1, 2), 3.0),
+            record(Strategy::hit(9), 4.0),
+        ];
+        film.take(&records);
+        film.end_iteration();
+        let shares = film.shares();
+        assert_eq!(shares.len(), 2);
+        assert_eq!(
+            shares[0],
+            [(Strategy::hit(2), film.share(Strategy::hit(2)))]
+        );
+        let (strategy, share) = shares[1][0];
+        assert_eq!(strategy, Strategy::connect(1, 2));
+        assert!((share - 3.0 / 8.0).abs() < 1e-6, "{share}");
+        assert!((film.share(strategy) - share).abs() < 1e-12);
+    }
 
     #[test]
     fn techniques_are_numbered_without_gaps() {

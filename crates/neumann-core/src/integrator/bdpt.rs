@@ -31,6 +31,7 @@ pub static METHOD: Method = Method {
                   a surface seen so: neither end can be aimed at the other.",
     sight: Sight::FULL,
     bias: None,
+    has_techniques: true,
     parameters: &[HEURISTIC, ROULETTE],
     build: |values: &ParameterValues| {
         Box::new(Bidirectional {

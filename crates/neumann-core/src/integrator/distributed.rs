@@ -28,6 +28,7 @@ pub(super) static METHOD: Method = Method {
         ..Sight::FULL
     },
     bias: Some("no interreflection between diffuse surfaces"),
+    has_techniques: false,
     parameters: &[
         Parameter {
             name: "lens_samples",

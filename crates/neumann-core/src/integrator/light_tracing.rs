@@ -25,6 +25,7 @@ pub static METHOD: Method = Method {
         ..Sight::FULL
     },
     bias: None,
+    has_techniques: false,
     parameters: &[ROULETTE],
     build: |values: &ParameterValues| {
         Box::new(LightTracing {

@@ -38,6 +38,7 @@ pub static METHOD: Method = Method {
     blind_spots: BLIND_SPOTS,
     sight: Sight::FULL,
     bias: Some("photons are counted within a fixed radius, and one map is kept for good"),
+    has_techniques: false,
     parameters: &[
         Radius::INITIAL,
         Radius::UNIT,
@@ -97,6 +98,7 @@ pub static PROGRESSIVE: Method = Method {
     blind_spots: BLIND_SPOTS,
     sight: Sight::FULL,
     bias: Some("photons are counted within a radius, which shrinks with every iteration"),
+    has_techniques: false,
     parameters: &[
         Radius::INITIAL,
         Radius::UNIT,

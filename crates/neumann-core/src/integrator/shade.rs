@@ -23,6 +23,7 @@ pub(super) static METHOD: Method = Method {
         ..Sight::FULL
     },
     bias: Some("lights shine through everything"),
+    has_techniques: false,
     parameters: &[Parameter {
         name: "light_samples",
         title: "light samples",

@@ -42,6 +42,7 @@ pub static METHOD: Method = Method {
     blind_spots: "Lights without extent seen by way of mirrors or smooth glass alone: nothing can be joined there.",
     sight: Sight::FULL,
     bias: Some("merging blurs by its radius, which shrinks with every iteration"),
+    has_techniques: true,
     parameters: &[
         Radius::INITIAL,
         Radius::UNIT,

@@ -5,6 +5,7 @@ use neumann_core::integrator::{METHODS, Parameter, ParameterKind, ParameterValue
 use neumann_core::render::StopRule;
 
 use crate::app::App;
+use crate::techniques;
 use crate::theme::GRID;
 use crate::widgets::{Slider, button, choice_row, heading, paragraph, rule, switch};
 
@@ -19,6 +20,18 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
     if let Some(bias) = method.bias {
         ui.add_space(GRID / 2.0);
         paragraph(ui, &format!("Biased: {bias}"));
+    }
+    if method.has_techniques {
+        ui.add_space(GRID);
+        let name = if app.techniques.is_open {
+            "Back to the picture"
+        } else {
+            "Techniques apart"
+        };
+        let about = "An image for each technique: s vertices from the light, t from the camera (V)";
+        if button(ui, name).on_hover_text(about).clicked() {
+            techniques::toggle(app);
+        }
     }
     ui.add_space(GRID);
     let values = &mut app.setup.values[app.setup.method];

@@ -2,9 +2,12 @@
 
 use std::sync::Arc;
 
-use neumann_core::film::Film;
+use neumann_core::film::{Film, TechniqueFilm};
+use neumann_core::integrator::{ParameterValues, method};
 use neumann_core::radiometry::Rgb;
-use neumann_core::render::{Published, Stats, Thumbnail};
+use neumann_core::render::{
+    CancelToken, Published, RenderSettings, Renderer, Stats, Thumbnail, WorkerPool,
+};
 use neumann_core::scene::Scene;
 use neumann_core::scene::builtin::builtin;
 use neumann_viewer::ViewOptions;
@@ -48,12 +51,14 @@ pub(crate) fn published() -> Published {
             rays_per_second: 5e6,
             estimated_error: 0.01,
             n_refused: 0,
+            photons: None,
             is_done: false,
         },
         energy_shares: film.energy_shares(),
         film,
         thumbnails,
         thumbnails_version: 1,
+        techniques: None,
     }
 }
 
@@ -63,10 +68,48 @@ pub(crate) fn app() -> App {
         size: Some((96, 96)),
         ..ViewOptions::default()
     };
-    let mut app = App::new(RenderLink::fixed(published()), options, || {});
+    app_of(published(), options)
+}
+
+fn app_of(published: Published, options: ViewOptions) -> App {
+    let mut app = App::new(RenderLink::fixed(published), options, || {});
     app.gallery.keep_still();
     let description = builtin("furnace").expect("a built-in scene");
     let description = description.load().expect("a scene as it comes");
     app.take_scene("furnace".to_owned(), Arc::new(Scene::build(&description)));
     app
+}
+
+/// The same, by bidirectional path tracing, with what one iteration of it makes of cornell as techniques.
+pub(crate) fn app_with_techniques() -> App {
+    let options = ViewOptions {
+        size: Some((96, 96)),
+        integrator: Some("bdpt".to_owned()),
+        ..ViewOptions::default()
+    };
+    let published = Published {
+        techniques: Some(Arc::new(techniques())),
+        ..published()
+    };
+    app_of(published, options)
+}
+
+fn techniques() -> TechniqueFilm {
+    let description = builtin("cornell").expect("a built-in scene");
+    let description = description.load().expect("a scene as it comes");
+    let scene = Arc::new(Scene::build(&description));
+    let bdpt = method("bdpt").expect("a method");
+    let settings = RenderSettings {
+        method: bdpt,
+        values: ParameterValues::defaults(bdpt.parameters),
+        n_layers: 4,
+        ..RenderSettings::new(scene.cameras()[0].clone(), 32, 32)
+    };
+    let pool = WorkerPool::new(Some(1), || {}).expect("a thread");
+    let mut renderer = Renderer::new(scene, settings, pool, 0);
+    renderer.record_techniques(Some(1));
+    renderer
+        .iterate(&CancelToken::default())
+        .expect("nobody cancels");
+    renderer.techniques().expect("they are recorded").clone()
 }

@@ -26,6 +26,7 @@ pub static METHOD: Method = Method {
     blind_spots: "Lights without extent by way of a mirror or smooth glass: neither can be aimed at the other.",
     sight: Sight::FULL,
     bias: None,
+    has_techniques: false,
     parameters: &[Parameter {
         name: "roulette",
         title: "Russian roulette",

@@ -34,6 +34,7 @@ pub static METHOD: Method = Method {
         ..Sight::FULL
     },
     bias: None,
+    has_techniques: false,
     parameters: &[],
     build: |_: &ParameterValues| Box::new(Naive),
 };

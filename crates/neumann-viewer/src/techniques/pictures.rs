@@ -1,0 +1,104 @@
+//! The small pictures of techniques, made when they are looked at and out of date.
+
+use std::time::{Duration, Instant};
+
+use egui::{Color32, ColorImage, Context, TextureHandle, TextureId, TextureOptions};
+use neumann_core::film::{Strategy, TechniqueFilm, TechniqueImage};
+use neumann_picture::tone::{Display, ToneCurve};
+
+/// A technique with its share of the energy and its picture.
+pub(super) struct Tile {
+    pub(super) strategy: Strategy,
+    pub(super) share: f64,
+    texture: Option<TextureHandle>,
+    made: Option<Made>,
+}
+
+/// What a picture was made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Made {
+    pub(super) version: u64,
+    pub(super) image: TechniqueImage,
+    pub(super) display: (f32, ToneCurve),
+}
+
+/// Time that one frame may spend on pictures; the others follow in the next frames.
+pub(super) struct Allowance {
+    until: Instant,
+    is_first: bool,
+}
+
+impl Allowance {
+    pub(super) fn new() -> Self {
+        Self {
+            until: Instant::now() + Duration::from_millis(2),
+            is_first: true,
+        }
+    }
+
+    /// True if there is time for another picture; for one there always is.
+    fn take(&mut self) -> bool {
+        std::mem::take(&mut self.is_first) || Instant::now() < self.until
+    }
+}
+
+impl Tile {
+    pub(super) fn new(strategy: Strategy) -> Self {
+        Self {
+            strategy,
+            share: 0.0,
+            texture: None,
+            made: None,
+        }
+    }
+
+    /// Its picture: as wanted, or an older one where time is up.
+    pub(super) fn picture(
+        &mut self,
+        ctx: &Context,
+        film: &TechniqueFilm,
+        wanted: Made,
+        allowance: &mut Allowance,
+    ) -> Option<TextureId> {
+        if self.made != Some(wanted) {
+            if allowance.take() {
+                self.make(ctx, film, wanted);
+            } else {
+                ctx.request_repaint();
+            }
+        }
+        self.texture.as_ref().map(TextureHandle::id)
+    }
+
+    fn make(&mut self, ctx: &Context, film: &TechniqueFilm, wanted: Made) {
+        let pixels = film.image(self.strategy, wanted.image);
+        let size = [film.width(), film.height()];
+        if pixels.len() != size[0] * size[1] {
+            return;
+        }
+        let display = match wanted.image {
+            // A weight is what it is: 0 black, 1 white.
+            TechniqueImage::Weight => Display {
+                exposure_ev: 0.0,
+                tone: ToneCurve::None,
+            },
+            TechniqueImage::Raw | TechniqueImage::Weighted => Display {
+                exposure_ev: wanted.display.0,
+                tone: wanted.display.1,
+            },
+        };
+        let coded = pixels.into_iter().map(|radiance| {
+            let [r, g, b] = display.srgb8(radiance);
+            Color32::from_rgb(r, g, b)
+        });
+        let image = ColorImage::new(size, coded.collect());
+        match &mut self.texture {
+            Some(texture) => texture.set(image, TextureOptions::LINEAR),
+            None => {
+                let name = super::label(self.strategy);
+                self.texture = Some(ctx.load_texture(name, image, TextureOptions::LINEAR));
+            }
+        }
+        self.made = Some(wanted);
+    }
+}

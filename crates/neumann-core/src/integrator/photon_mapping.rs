@@ -452,7 +452,7 @@ impl Eye<'_> {
             if let Some(scattered) = photon.scattered(vertex) {
                 let weight = kernel.at(distance_squared, radius_squared) / map.n_paths as f32;
                 sink.add(Contribution {
-                    value: path.throughput * scattered * weight,
+                    value: path.throughput * scattered.f_power * weight,
                     mis_weight: 1.0,
                     bounce: strategy.bounce(),
                     strategy,

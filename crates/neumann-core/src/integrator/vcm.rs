@@ -174,88 +174,88 @@ impl Integrator for Vcm {
 
         // Second pass: camera paths.
         let per_merge = std::f32::consts::FRAC_1_PI / (radius * radius * n_paths as f32);
-        pass.trace_pixels_with(
-            scene,
-            || (),
-            |(), sample, tracer, sampler, sink| {
-                let u = lens_sample(sampler);
-                let mut walk = Walk::from_camera(camera, sample.raster, u, &weighing);
-                loop {
-                    let Some(vertex) = walk.meet(tracer, &weighing) else {
-                        if has_connections {
-                            if let Some(found) = hit_environment(tracer, &walk, &weighing) {
-                                sink.add(found);
-                            }
-                        } else if walk.is_specular {
-                            let radiance = scene.lights().environment_radiance(walk.ray.direction);
-                            let bounce = u32::from(walk.n_vertices) - 1;
-                            sink.add(hit(bounce, walk.throughput * radiance, 1.0));
-                        }
-                        return;
-                    };
-                    let bounce = walk.bounce();
-                    if bounce == 0 {
-                        add_unlit(tracer, &vertex.surface, sink);
-                    }
+        let room = || Vec::<Vertex<'_>>::with_capacity(32);
+        pass.trace_pixels_with(scene, room, |lights, sample, tracer, sampler, sink| {
+            lights.clear();
+            if has_connections {
+                let path = paths.of_path(sample.index % n_paths);
+                lights.extend(path.iter().map(|vertex| vertex.restored(tracer)));
+            }
+            let u = lens_sample(sampler);
+            let mut walk = Walk::from_camera(camera, sample.raster, u, &weighing);
+            loop {
+                let Some(vertex) = walk.meet(tracer, &weighing) else {
                     if has_connections {
-                        if let Some(found) = hit_emitter(tracer, &vertex, &weighing) {
+                        if let Some(found) = hit_environment(tracer, &walk, &weighing) {
                             sink.add(found);
                         }
                     } else if walk.is_specular {
-                        // Merging alone cannot find light by way of mirrors only.
-                        let emitted = tracer.emitted(&vertex.surface);
-                        sink.add(hit(bounce, vertex.throughput * emitted, 1.0));
+                        let radiance = scene.lights().environment_radiance(walk.ray.direction);
+                        let bounce = u32::from(walk.n_vertices) - 1;
+                        sink.add(hit(bounce, walk.throughput * radiance, 1.0));
                     }
-                    if bounce == max_bounces {
-                        return;
+                    return;
+                };
+                let bounce = walk.bounce();
+                if bounce == 0 {
+                    add_unlit(tracer, &vertex.surface, sink);
+                }
+                if has_connections {
+                    if let Some(found) = hit_emitter(tracer, &vertex, &weighing) {
+                        sink.add(found);
                     }
-                    sampler.start_bounce(bounce);
-                    let joins = vertex.surface.bsdf.has_density();
-                    if joins && has_connections {
-                        let u = light_sample(sampler);
-                        if let Some(found) = next_event(tracer, &vertex, &u, &weighing) {
+                } else if walk.is_specular {
+                    // Merging alone cannot find light by way of mirrors only.
+                    let emitted = tracer.emitted(&vertex.surface);
+                    sink.add(hit(bounce, vertex.throughput * emitted, 1.0));
+                }
+                if bounce == max_bounces {
+                    return;
+                }
+                sampler.start_bounce(bounce);
+                let joins = vertex.surface.bsdf.has_density();
+                if joins && has_connections {
+                    let u = light_sample(sampler);
+                    if let Some(found) = next_event(tracer, &vertex, &u, &weighing) {
+                        sink.add(found);
+                    }
+                    for light in lights.iter() {
+                        if u32::from(light.n_vertices + vertex.n_vertices) > max_bounces + 2 {
+                            break;
+                        }
+                        if let Some(found) = connect(tracer, &vertex, light, &weighing) {
                             sink.add(found);
                         }
-                        for light in paths.of_path(sample.index % n_paths) {
-                            if light.n_vertices() + vertex.n_vertices > max_bounces as u16 + 2 {
-                                break;
-                            }
-                            let light = light.restored(tracer);
-                            if let Some(found) = connect(tracer, &vertex, &light, &weighing) {
-                                sink.add(found);
-                            }
-                        }
-                    }
-                    if let (true, Some(grid)) = (joins, &grid) {
-                        grid.for_each_near(vertex.surface.point.position, |light, _, _| {
-                            let strategy =
-                                Strategy::merge(light.photon.n_vertices, vertex.n_vertices);
-                            if strategy.bounce() > max_bounces {
-                                return;
-                            }
-                            let Some(scattered) = light.photon.scattered(&vertex.surface) else {
-                                return;
-                            };
-                            let densities = vertex.surface.densities(light.photon.wo);
-                            sink.add(Contribution {
-                                value: vertex.throughput * scattered * per_merge,
-                                mis_weight: weighing.merge(
-                                    vertex.partial,
-                                    light.partial,
-                                    densities.forward,
-                                    densities.reverse,
-                                ),
-                                bounce: strategy.bounce(),
-                                strategy,
-                            });
-                        });
-                    }
-                    if !walk.scatter(&vertex, sampler, has_roulette, &weighing) {
-                        return;
                     }
                 }
-            },
-        )
+                if let (true, Some(grid)) = (joins, &grid) {
+                    grid.for_each_near(vertex.surface.point.position, |light, _, _| {
+                        let strategy = Strategy::merge(light.photon.n_vertices, vertex.n_vertices);
+                        if strategy.bounce() > max_bounces {
+                            return;
+                        }
+                        let Some(scattered) = light.photon.scattered(&vertex.surface) else {
+                            return;
+                        };
+
+                        sink.add(Contribution {
+                            value: vertex.throughput * scattered.f_power * per_merge,
+                            mis_weight: weighing.merge(
+                                vertex.partial,
+                                light.partial,
+                                scattered.scattering.pdf_w_forward,
+                                scattered.scattering.pdf_w_reverse,
+                            ),
+                            bounce: strategy.bounce(),
+                            strategy,
+                        });
+                    });
+                }
+                if !walk.scatter(&vertex, sampler, has_roulette, &weighing) {
+                    return;
+                }
+            }
+        })
     }
 }
 
@@ -317,10 +317,6 @@ impl LightVertex {
             triangle: vertex.surface.triangle,
             barycentrics: vertex.surface.barycentrics,
         }
-    }
-
-    fn n_vertices(&self) -> u16 {
-        self.kept.photon.n_vertices
     }
 
     /// The vertex as its walk had it.

@@ -14,7 +14,7 @@ use glam::Vec3;
 
 use crate::bsdf::TransportMode;
 use crate::radiometry::Rgb;
-use crate::transport::SurfaceVertex;
+use crate::transport::{Scattering, SurfaceVertex};
 
 /// A vertex of a light path, small enough to be kept by the million.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +40,15 @@ impl Placed for Photon {
     }
 }
 
+/// What a surface makes of a photon.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattered {
+    /// `f Φ`, W/sr: times a kernel, radiance.
+    pub f_power: Rgb,
+    /// The BSDF with its densities.
+    pub scattering: Scattering,
+}
+
 /// Photons whose surface is turned by more than this against the surface asked are on another one: cosine.
 const SAME_SURFACE: f32 = 0.7;
 
@@ -50,11 +59,14 @@ impl Photon {
     /// A surface with alpha has stopped only that share of the photons, as it does of the camera's rays; it counts once.
     #[inline]
     #[must_use]
-    pub fn scattered(&self, at: &SurfaceVertex<'_>) -> Option<Rgb> {
+    pub fn scattered(&self, at: &SurfaceVertex<'_>) -> Option<Scattered> {
         if self.ng.dot(at.point.ng).abs() < SAME_SURFACE {
             return None;
         }
-        let f_cos = at.f_cos(self.wo, TransportMode::Radiance);
-        (!f_cos.is_black()).then(|| f_cos * self.power / (at.cos_g(self.wo) * at.opacity))
+        let scattering = at.scattering(self.wo, TransportMode::Radiance)?;
+        Some(Scattered {
+            f_power: scattering.f_cos * self.power / (at.cos_g(self.wo) * at.opacity),
+            scattering,
+        })
     }
 }

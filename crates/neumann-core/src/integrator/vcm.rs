@@ -86,11 +86,25 @@ struct Vcm {
     n_light_paths: Option<usize>,
 }
 
-/// A light vertex as merging needs it.
+/// A light vertex as merging needs it: one line of a processor's cache.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 struct Mergeable {
     photon: Photon,
-    partial: Partial,
+    d_vcm: f32,
+    d_vm: f32,
+}
+
+impl Mergeable {
+    /// The quantities that merging needs.
+    #[inline]
+    fn partial(&self) -> Partial {
+        Partial {
+            d_vcm: self.d_vcm,
+            d_vc: 0.0,
+            d_vm: self.d_vm,
+        }
+    }
 }
 
 impl Placed for Mergeable {
@@ -103,7 +117,8 @@ impl Placed for Mergeable {
 /// A light vertex as connecting needs it: also what makes the surface there again.
 #[derive(Clone, Copy, Debug)]
 struct LightVertex {
-    kept: Mergeable,
+    photon: Photon,
+    partial: Partial,
     triangle: u32,
     barycentrics: [f32; 2],
 }
@@ -164,7 +179,7 @@ impl Integrator for Vcm {
                     }
                 }
             })?;
-        let grid = has_merges.then(|| HashGrid::new(&paths.items, radius, |vertex| vertex.kept));
+        let grid = has_merges.then(|| HashGrid::new(&paths.items, radius, LightVertex::mergeable));
         pass.report(PhotonReport {
             radius: if has_merges { radius } else { 0.0 },
             n_paths,
@@ -242,7 +257,7 @@ impl Integrator for Vcm {
                             value: vertex.throughput * scattered.f_power * per_merge,
                             mis_weight: weighing.merge(
                                 vertex.partial,
-                                light.partial,
+                                light.partial(),
                                 scattered.scattering.pdf_w_forward,
                                 scattered.scattering.pdf_w_reverse,
                             ),
@@ -310,22 +325,28 @@ impl Vcm {
 impl LightVertex {
     fn of(vertex: &Vertex<'_>) -> Self {
         Self {
-            kept: Mergeable {
-                photon: vertex.photon(),
-                partial: vertex.partial,
-            },
+            photon: vertex.photon(),
+            partial: vertex.partial,
             triangle: vertex.surface.triangle,
             barycentrics: vertex.surface.barycentrics,
         }
     }
 
+    fn mergeable(&self) -> Mergeable {
+        Mergeable {
+            photon: self.photon,
+            d_vcm: self.partial.d_vcm,
+            d_vm: self.partial.d_vm,
+        }
+    }
+
     /// The vertex as its walk had it.
     fn restored<'a>(&self, tracer: &Tracer<'a>) -> Vertex<'a> {
-        let photon = &self.kept.photon;
+        let photon = &self.photon;
         Vertex {
             surface: tracer.surface_at(self.triangle, self.barycentrics, photon.wo),
             throughput: photon.power,
-            partial: self.kept.partial,
+            partial: self.partial,
             // A segment's absorption is that on the camera vertex's side of it.
             medium: crate::transport::Medium::VACUUM,
             n_vertices: photon.n_vertices,

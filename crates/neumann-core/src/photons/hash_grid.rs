@@ -20,6 +20,9 @@ pub struct HashGrid<T> {
     entries: Vec<T>,
 }
 
+/// Entries that are read together.
+const BATCH: usize = 8;
+
 /// Something that has a place.
 pub trait Placed {
     /// World space, metres.
@@ -102,6 +105,7 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
     pub fn for_each_near(&self, x: Vec3, mut found: impl FnMut(&T, u32, f32)) {
         let base = (x * self.cells_per_metre - 0.5).floor().as_ivec3();
         let radius_squared = self.radius * self.radius;
+        let (mut near, mut n_near) = ([(0u32, 0f32); BATCH], 0);
         // All places in the table first, so that the memory answers them together.
         let mut buckets = [0u32; 8];
         let mut ranges = [(0u32, 0u32); 8];
@@ -126,9 +130,27 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
             for (number, position) in (start..).zip(positions) {
                 let distance_squared = position.distance_squared(x);
                 if distance_squared < radius_squared {
-                    found(&self.entries[number as usize], number, distance_squared);
+                    near[n_near] = (number, distance_squared);
+                    n_near += 1;
+                    if n_near == near.len() {
+                        self.hand_over(&near, &mut found);
+                        n_near = 0;
+                    }
                 }
             }
+        }
+        self.hand_over(&near[..n_near], &mut found);
+    }
+
+    /// Reads entries together before it hands over the first, so that it waits for the memory once.
+    #[inline]
+    fn hand_over(&self, near: &[(u32, f32)], found: &mut impl FnMut(&T, u32, f32)) {
+        let mut entries = [None; BATCH];
+        for (entry, (number, _)) in entries.iter_mut().zip(near) {
+            *entry = Some(self.entries[*number as usize]);
+        }
+        for (entry, (number, distance_squared)) in entries.iter().flatten().zip(near) {
+            found(entry, *number, *distance_squared);
         }
     }
 

@@ -38,9 +38,10 @@ pub(crate) fn pool() -> Scene {
     let placement = Placement::at(dvec3(0.62, 0.222 - DEPTH, -1.55)).scaled(DVec3::splat(0.22));
     scene.place("sunken ball", &[(ball, coral)], placement);
 
+    // On the side of the camera, which does not see it mirrored by the water.
     let lamp = scene.material(Material::emitter("lamp", [1100.0, 1055.0, 960.0]));
     let square = scene.geometry("square", Mesh::square_facing_down());
-    let placement = Placement::at(dvec3(0.9, 3.79, -2.2)).scaled(dvec3(0.2, 1.0, 0.2));
+    let placement = Placement::at(dvec3(-0.6, 3.79, 1.6)).scaled(dvec3(0.2, 1.0, 0.2));
     scene.place("lamp", &[(square, lamp)], placement);
 
     let above = Camera {

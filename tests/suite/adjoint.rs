@@ -19,7 +19,7 @@ fn compare(name: &str, scene: &Arc<Scene>, layers: std::ops::Range<usize>) {
     let mut family = Family::default();
     let batches = |id: &str, n| {
         Setup::new(scene, 24, 24)
-            .by(method(id).unwrap())
+            .by(method(id).expect("a method of the registry"))
             .up_to(4)
             .batches(24, n, 60)
     };

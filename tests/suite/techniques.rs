@@ -13,16 +13,20 @@ const DIVISOR: usize = 4;
 
 fn recorded(id: &str, scene: &str, max_bounces: u32) -> (Film, TechniqueFilm) {
     let setup = Setup::new(&builtin(scene), 64, 48)
-        .by(method(id).unwrap())
+        .by(method(id).expect("a method of the registry"))
         .up_to(max_bounces);
     let s = &setup.settings;
     let mut film = Film::new(s.width, s.height, s.n_layers);
     let mut renderer = Renderer::new(Arc::clone(&setup.scene), s.clone(), pool(), 0);
     renderer.record_techniques(Some(DIVISOR));
     for _ in 0..4 {
-        film.add(renderer.iterate(&CancelToken::default()).unwrap());
+        film.add(
+            renderer
+                .iterate(&CancelToken::default())
+                .expect("nobody cancels"),
+        );
     }
-    let techniques = renderer.techniques().unwrap().clone();
+    let techniques = renderer.techniques().expect("they were asked for").clone();
     (film, techniques)
 }
 

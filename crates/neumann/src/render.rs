@@ -138,7 +138,7 @@ pub(crate) fn report(rendered: &Rendered, outputs: &[PathBuf]) -> Value {
     let seconds = rendered.metadata.seconds;
     let n_samples = n * (film.width() * film.height()) as f64;
     let outputs: Vec<_> = outputs.iter().map(|p| p.display().to_string()).collect();
-    json!({
+    let mut report = json!({
         "integrator": rendered.metadata.integrator,
         "iterations": film.n_iterations(),
         "first_iteration": rendered.metadata.iterations.first(),
@@ -149,12 +149,15 @@ pub(crate) fn report(rendered: &Rendered, outputs: &[PathBuf]) -> Value {
         "refused": film.n_refused(),
         "estimated_error": film.estimated_error(),
         "peak_memory_bytes": peak_bytes(),
-        "photons": rendered.photons.map(|photons| json!({
+        "outputs": outputs,
+    });
+    if let Some(photons) = rendered.photons {
+        report["photons"] = json!({
             "radius": photons.radius,
             "light_paths": photons.n_paths,
             "light_vertices": photons.n_vertices,
             "bytes": photons.bytes,
-        })),
-        "outputs": outputs,
-    })
+        });
+    }
+    report
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use neumann_picture::exr_file::{Checkpoint, read_exr};
+use neumann_picture::exr_file::{Checkpoint, read_exr, read_layers};
 use neumann_picture::image_file::read_image;
 use serde_json::Value;
 
@@ -454,4 +454,30 @@ fn an_interrupted_render_keeps_its_iterations() {
     assert_eq!(film.metadata.iterations.count(), film.film.n_iterations());
     let path: &Path = &folder.join("a.exr");
     assert!(path.exists());
+}
+
+#[test]
+fn techniques_are_written_apart_and_photons_reported() {
+    let folder = Folder::new();
+    let line = "render cornell -o v.exr --integrator vcm --size 48x32 --iterations 2 --max-bounces 4 \
+        --techniques pyramid --techniques-divisor 2 --json";
+    let report: Value = serde_json::from_str(&folder.succeed(line)).unwrap();
+    assert_eq!(report["photons"]["light_paths"], 48 * 32);
+    assert!(report["photons"]["radius"].as_f64().unwrap() > 0.0);
+    let sheet = read_image(&folder.join("pyramid/techniques.png")).unwrap();
+    assert!(sheet.width > 600 && sheet.height > 600);
+    let techniques = read_layers(&folder.join("pyramid/techniques.exr")).unwrap();
+    assert_eq!((techniques.width, techniques.height), (24, 16));
+    for name in ["s0t2", "s1t2", "s2t1", "s1t2.raw", "merge-s2t2", "rest"] {
+        assert!(techniques.layers.contains_key(name), "{name}");
+    }
+    // Its R, G, B is L, averaged over two by two pixels.
+    let film = folder.film("v.exr").film;
+    for (i, found) in techniques.pixels.iter().enumerate() {
+        let (x, y) = (i % 24 * 2, i / 24 * 2);
+        let at = |dx: usize, dy: usize| film.total()[(y + dy) * 48 + x + dx].g;
+        let mean = 0.25 * (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1));
+        assert!((found.g - mean).abs() <= 1e-5 * mean.max(1e-3), "{i}");
+    }
+    folder.fail("render cornell -o v.exr --techniques-divisor 2", 2);
 }

@@ -117,9 +117,10 @@ fn delta_lobes_conserve_energy() {
         for wo in directions() {
             let a = albedo(&bsdf, wo, TransportMode::Importance, &mut random);
             assert!(
-                (a.mean - 1.0).abs() < 1e-4,
-                "{name}, wo {wo}: albedo {:.6}",
-                a.mean
+                (a.mean - 1.0).abs() < 1e-4 + 5.0 * a.standard_error && a.standard_error < 2e-3,
+                "{name}, wo {wo}: albedo {:.6} ± {:.6}",
+                a.mean,
+                a.standard_error
             );
         }
     }

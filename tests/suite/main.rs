@@ -6,6 +6,7 @@ mod cameras;
 mod determinism;
 mod energy;
 mod lights;
+mod merging;
 mod reference;
 mod sampling;
 mod scenes;

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use super::{CancelToken, RenderSettings, Renderer, WorkerPool};
 use crate::film::{Film, PhotonReport, TechniqueFilm};
+use crate::integrator::Method;
 use crate::radiometry::Rgb;
 use crate::scene::Scene;
 
@@ -291,6 +292,16 @@ struct Task {
     is_recording: bool,
 }
 
+/// How long the latest iteration took.
+#[derive(Clone, Copy)]
+struct Pace {
+    method: &'static Method,
+    seconds_per_sample: f64,
+}
+
+/// Seconds for a sample of a method that has not been seen at work: the ladder is climbed from far down.
+const SLOWEST_PACE: f64 = 1e-5;
+
 /// One job on its way up the ladder and on.
 struct Climb {
     generation: u64,
@@ -310,7 +321,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         n_iterations: 0,
         seconds: 0.0,
     };
-    let mut seconds_per_sample = None;
+    let mut pace: Option<Pace> = None;
     let mut summarised: Option<Instant> = None;
     loop {
         let is_done = |stop| climb.is_done(stop);
@@ -318,7 +329,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             return;
         };
         if task.generation != climb.generation {
-            climb = Climb::new(&task, seconds_per_sample);
+            climb = Climb::new(&task, pace);
             summarised = None;
         }
         let start = Instant::now();
@@ -335,7 +346,10 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             continue;
         };
         let seconds = start.elapsed().as_secs_f64();
-        seconds_per_sample = Some(seconds / n_samples as f64);
+        pace = Some(Pace {
+            method: task.job.settings.method,
+            seconds_per_sample: seconds / n_samples as f64,
+        });
         let (n_rays, photons) = (frame.n_rays(), frame.photons());
         let fresh = is_first.then(|| {
             let n_layers = frame.layers().len() - 1;
@@ -389,10 +403,12 @@ fn run(shared: &Shared, pool: &WorkerPool) {
 
 impl Climb {
     /// Begins a job on the coarsest rung that is needed for a first frame in time.
-    fn new(task: &Task, seconds_per_sample: Option<f64>) -> Self {
+    fn new(task: &Task, pace: Option<Pace>) -> Self {
         let settings = &task.job.settings;
         let n_samples = (settings.width * settings.height) as f64;
-        let seconds = n_samples * seconds_per_sample.unwrap_or(1e-6);
+        // What another method took says nothing about this one.
+        let pace = pace.filter(|pace| pace.method == settings.method);
+        let seconds = n_samples * pace.map_or(SLOWEST_PACE, |pace| pace.seconds_per_sample);
         let is_in_time = |divisor: &usize| seconds / ((divisor * divisor) as f64) <= COARSE_SECONDS;
         let first = [1, 2, 4, 8].into_iter().find(is_in_time).unwrap_or(8);
         let rungs = [1, 2, 4, 8]

@@ -9,12 +9,13 @@
 //! new map with a smaller radius in each iteration (the probabilistic form of Knaus and Zwicker 2011), so that
 //! the mean converges to the true image.
 
-use crate::endpoint::SurfacePoint;
+use crate::endpoint::Aim;
 use crate::film::{Contribution, PhotonReport, Strategy};
 use crate::integrator::{
     Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
 };
 use crate::math::Ray;
+use crate::math::ray::offset_point;
 use crate::photons::{HashGrid, Kernel, Photon};
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass, Sink};
@@ -531,13 +532,7 @@ fn show_photons(
             let Some((aim, raster)) = camera.aim(photon.position, sampler.next_2d()) else {
                 return;
             };
-            let seen = SurfacePoint {
-                position: photon.position,
-                error: photon.error,
-                ng: photon.ng,
-            };
-            let share = tracer.visibility(&seen, &aim);
-            if share <= 0.0 {
+            if !is_seen(tracer, photon, &aim) {
                 return;
             }
             let strategy = Strategy::merge(photon.n_vertices, 2);
@@ -548,7 +543,7 @@ fn show_photons(
             sink.splat(
                 raster,
                 Contribution {
-                    value: color * share,
+                    value: color,
                     mis_weight: 1.0,
                     bounce: strategy.bounce(),
                     strategy,
@@ -557,6 +552,28 @@ fn show_photons(
         },
     )?;
     Ok(())
+}
+
+/// True if nothing but glass is between a photon and the lens; glass is looked through as if it were not there.
+fn is_seen(tracer: &mut Tracer<'_>, photon: &Photon, aim: &Aim) -> bool {
+    let origin = offset_point(photon.position, photon.error, photon.ng, aim.wi);
+    let mut ray = Ray::new(origin, aim.wi);
+    let mut rest = aim.distance;
+    // More panes than this are taken for a wall.
+    for _ in 0..16 {
+        let Some(vertex) = tracer.vertex(&ray) else {
+            return true;
+        };
+        if vertex.distance >= rest {
+            return true;
+        }
+        if !vertex.bsdf.is_transmissive() {
+            return false;
+        }
+        rest -= vertex.distance;
+        ray = vertex.ray(aim.wi);
+    }
+    false
 }
 
 /// Colours that can be told apart without seeing red from green: Okabe and Ito 2008, linear.

@@ -62,9 +62,8 @@ impl Radius {
         }
     }
 
-    /// The radius of iteration number `iteration`, metres: `r = r_1 (i + 1)^((α - 1) / 2)`, (20) of Georgiev et
-    /// al. 2012 with the product replaced by its limit (Kaplanyan and Dachsbacher 2013, 3.2), so that it
-    /// depends on the number of the iteration alone.
+    /// The radius of iteration number `iteration`, metres: `r = r_1 (i + 1)^((α - 1) / 2)`, which is how that of Knaus and
+    /// Zwicker 2011 shrinks in the end, and depends on the number of the iteration alone.
     #[must_use]
     pub fn at(&self, scene: &Scene, iteration: u32) -> f32 {
         let unit = if self.is_relative {

@@ -205,27 +205,7 @@ impl FilmGpu {
             constants: &constants,
             ..Default::default()
         };
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("film"),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &self.shader,
-                entry_point: Some("cover"),
-                compilation_options: options.clone(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: None,
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &self.shader,
-                entry_point: Some("shade"),
-                compilation_options: options,
-                targets: &[Some(self.format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let pipeline = covering_pipeline(device, &self.shader, &layout, self.format, options);
         self.pipelines.push((variant, pipeline));
     }
 
@@ -308,6 +288,37 @@ impl CallbackTrait for Draw {
         pass.set_bind_group(0, group, &[offset]);
         pass.draw(0..3, 0..1);
     }
+}
+
+/// A pipeline that covers its viewport: a shader's `cover`, then its `shade`.
+pub(super) fn covering_pipeline(
+    device: &wgpu::Device,
+    shader: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    format: wgpu::TextureFormat,
+    options: wgpu::PipelineCompilationOptions<'_>,
+) -> wgpu::RenderPipeline {
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("covering"),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module: shader,
+            entry_point: Some("cover"),
+            compilation_options: options.clone(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: shader,
+            entry_point: Some("shade"),
+            compilation_options: options,
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
 }
 
 const TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {

@@ -4,7 +4,7 @@
 use egui::{Color32, PaintCallbackInfo, Rect, Ui};
 use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor, wgpu};
 
-use super::gpu::FilmGpu;
+use super::gpu::{FilmGpu, covering_pipeline};
 
 /// Fills `rect` with a grey.
 pub fn fill(ui: &Ui, rect: Rect, grey: Color32) {
@@ -53,27 +53,7 @@ impl GroundGpu {
             bind_group_layouts: &[],
             immediate_size: 0,
         });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("ground"),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &self.shader,
-                entry_point: Some("cover"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: None,
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &self.shader,
-                entry_point: Some("shade"),
-                compilation_options: options,
-                targets: &[Some(self.format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let pipeline = covering_pipeline(device, &self.shader, &layout, self.format, options);
         self.pipelines.push((code, pipeline));
     }
 }

@@ -4,7 +4,7 @@
 //! the same times their MIS weights, and the mean weight. It is kept at reduced resolution and only while
 //! somebody looks, since it takes [`TechniqueFilm::bytes`] of memory.
 
-use super::{Joint, Strategy};
+use super::{Contribution, Joint, Strategy};
 use crate::radiometry::Rgb;
 
 /// The techniques of a method, each with its images.
@@ -76,13 +76,8 @@ pub(crate) struct RecordShape {
 
 impl RecordShape {
     #[inline]
-    pub(crate) fn record(
-        self,
-        (x, y): (u32, u32),
-        strategy: Strategy,
-        value: Rgb,
-        mis_weight: f32,
-    ) -> Record {
+    pub(crate) fn record(self, (x, y): (u32, u32), contribution: &Contribution) -> Record {
+        let strategy = contribution.strategy;
         let technique = if strategy.bounce() < self.n_bounces {
             index_of(strategy) as u32
         } else {
@@ -91,8 +86,8 @@ impl RecordShape {
         Record {
             pixel: y / self.divisor * self.width + x / self.divisor,
             technique,
-            value,
-            mis_weight,
+            value: contribution.value,
+            mis_weight: contribution.mis_weight,
         }
     }
 }
@@ -300,15 +295,20 @@ impl TechniqueFilm {
 
 #[cfg(test)]
 mod tests {
-    use super::{Strategy, TechniqueFilm, index_of, techniques_of};
+    use super::{Contribution, Strategy, TechniqueFilm, index_of, techniques_of};
     use crate::radiometry::Rgb;
 
     #[test]
     fn shares_of_all_are_the_shares_of_each() {
         let mut film = TechniqueFilm::new(2, 1, 1, 2);
-        let record = |strategy, value| {
-            film.shape()
-                .record((0, 0), strategy, Rgb::splat(value), 0.5)
+        let record = |strategy: Strategy, value| {
+            let contribution = Contribution {
+                value: Rgb::splat(value),
+                mis_weight: 0.5,
+                bounce: strategy.bounce(),
+                strategy,
+            };
+            film.shape().record((0, 0), &contribution)
         };
         let records = [
             record(Strategy::hit(2), 1.0),

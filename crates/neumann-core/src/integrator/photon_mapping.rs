@@ -386,7 +386,7 @@ impl Eye<'_> {
                 }
             }
             if is_rough && n_gather > 0 {
-                self.gather(&vertex, &path, n_gather, tracer, sampler, sink, nearest);
+                self.gather(&vertex, &path, tracer, sampler, sink, nearest);
             }
 
             // Mirror-like and sharp lobes are followed.
@@ -401,20 +401,16 @@ impl Eye<'_> {
     }
 
     /// Final gather: rays by the BSDF's density, followed to where the map is asked.
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "the state of one path, which has no other home"
-    )]
     fn gather(
         &self,
         vertex: &SurfaceVertex<'_>,
         path: &Segment,
-        n: u32,
         tracer: &mut Tracer<'_>,
         sampler: &mut Sampler,
         sink: &mut Sink<'_>,
         nearest: &mut Vec<(f32, u32)>,
     ) {
+        let n = self.mapping.n_gather;
         for i in 0..n {
             let mut numbers = sampler.branch(i);
             let [a, b] = numbers.next_2d();

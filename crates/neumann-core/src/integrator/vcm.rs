@@ -252,7 +252,6 @@ impl Integrator for Vcm {
                         let Some(scattered) = light.photon.scattered(&vertex.surface) else {
                             return;
                         };
-
                         sink.add(Contribution {
                             value: vertex.throughput * scattered.f_power * per_merge,
                             mis_weight: weighing.merge(

@@ -165,6 +165,14 @@ impl<'a> Sink<'a> {
         }
     }
 
+    /// Keeps a contribution apart by its technique, if that is asked for.
+    #[inline]
+    fn record(&mut self, pixel: (u32, u32), contribution: &Contribution) {
+        if let Some(shape) = self.recording {
+            self.records.push(shape.record(pixel, contribution));
+        }
+    }
+
     /// Adds to the path's own pixel.
     #[inline]
     pub fn add(&mut self, contribution: Contribution) {
@@ -173,16 +181,7 @@ impl<'a> Sink<'a> {
             self.n_refused += 1;
             return;
         }
-        if let Some(shape) = self.recording {
-            let Contribution {
-                strategy,
-                value,
-                mis_weight,
-                ..
-            } = contribution;
-            self.records
-                .push(shape.record(self.pixel, strategy, value, mis_weight));
-        }
+        self.record(self.pixel, &contribution);
         let layer = (contribution.bounce as usize).min(self.n_layers);
         self.tile[layer * TILE * TILE + self.pixel_in_tile] += value;
     }
@@ -199,16 +198,7 @@ impl<'a> Sink<'a> {
         if x < 0.0 || y < 0.0 || x >= self.width as f32 || y >= self.height as f32 {
             return;
         }
-        if let Some(shape) = self.recording {
-            let Contribution {
-                strategy,
-                value,
-                mis_weight,
-                ..
-            } = contribution;
-            self.records
-                .push(shape.record((x as u32, y as u32), strategy, value, mis_weight));
-        }
+        self.record((x as u32, y as u32), &contribution);
         self.splats.push(Splat {
             pixel: (y as usize * self.width + x as usize) as u32,
             layer: (contribution.bounce as usize).min(self.n_layers) as u32,

@@ -7,6 +7,9 @@ use obvhs::BvhBuildParams;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::triangle::Triangle;
 
+#[cfg(target_arch = "x86_64")]
+use super::avx2;
+use super::portable::Portable;
 use super::traverse::{self, STACK_SIZE};
 use super::wide::{WIDTH, WideTree};
 use crate::math::Ray;
@@ -126,40 +129,12 @@ impl Kernel {
 
 #[inline(never)]
 fn closest_portable(tree: &WideTree, ray: &Ray) -> Option<Hit> {
-    traverse::closest(tree, ray)
+    traverse::closest::<Portable>(tree, ray)
 }
 
 #[inline(never)]
 fn any_portable(tree: &WideTree, ray: &Ray) -> bool {
-    traverse::any(tree, ray)
-}
-
-/// The traversal compiled for AVX2 and FMA.
-#[cfg(target_arch = "x86_64")]
-#[allow(unsafe_code, reason = "the processor is known to have these features")]
-mod avx2 {
-    use super::{Hit, WideTree, traverse};
-    use crate::math::Ray;
-
-    pub(super) fn closest(tree: &WideTree, ray: &Ray) -> Option<Hit> {
-        // SAFETY: `Kernel::Avx2` is chosen only where all of the features were detected.
-        unsafe { closest_with_features(tree, ray) }
-    }
-
-    pub(super) fn any(tree: &WideTree, ray: &Ray) -> bool {
-        // SAFETY: as above.
-        unsafe { any_with_features(tree, ray) }
-    }
-
-    #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-    fn closest_with_features(tree: &WideTree, ray: &Ray) -> Option<Hit> {
-        traverse::closest(tree, ray)
-    }
-
-    #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-    fn any_with_features(tree: &WideTree, ray: &Ray) -> bool {
-        traverse::any(tree, ray)
-    }
+    traverse::any::<Portable>(tree, ray)
 }
 
 #[cfg(test)]

@@ -5,7 +5,10 @@
 //! fixed-size arrays, and compiled twice: for any processor, and for those with AVX2 and
 //! FMA, chosen when the tree is built.
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 mod bvh;
+mod portable;
 mod traverse;
 mod wide;
 

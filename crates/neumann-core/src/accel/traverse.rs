@@ -19,29 +19,59 @@ use crate::math::Ray;
 pub(super) const STACK_SIZE: usize = 256;
 
 /// Room for the rounding of three operations on either side of a box.
-const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;
+pub(super) const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;
 
 /// A ray prepared for both tests.
-struct Prepared {
-    origin: [f32; 3],
-    inverse: [f32; 3],
+pub(super) struct Prepared {
+    pub(super) origin: [f32; 3],
+    pub(super) inverse: [f32; 3],
     /// For each axis, the row of a node's bounds that the ray meets first.
-    near: [usize; 3],
-    axes: [usize; 3],
-    shear: [f32; 3],
+    pub(super) near: [usize; 3],
+    /// Axes of the sheared frame; the ray runs along the last.
+    pub(super) axes: [usize; 3],
+    pub(super) shear: [f32; 3],
 }
 
-/// What the lanes of a leaf yield.
-struct LaneHits {
-    t: [f32; LEAF_SIZE],
-    v: [f32; LEAF_SIZE],
-    w: [f32; LEAF_SIZE],
-    is_hit: [bool; LEAF_SIZE],
+/// Which children of a node are met.
+pub(super) struct BoxHits {
+    /// One bit for each child.
+    pub(super) mask: u32,
+    /// Distances of those that are met.
+    pub(super) near: [f32; WIDTH],
+}
+
+/// Which triangles of a leaf are hit.
+pub(super) struct LaneHits {
+    /// One bit for each triangle.
+    pub(super) mask: u32,
+    /// Distances of those that are hit, and barycentric coordinates of their second and third corner.
+    pub(super) t: [f32; LEAF_SIZE],
+    pub(super) v: [f32; LEAF_SIZE],
+    pub(super) w: [f32; LEAF_SIZE],
+}
+
+impl LaneHits {
+    pub(super) const NONE: Self = Self {
+        mask: 0,
+        t: [0.0; LEAF_SIZE],
+        v: [0.0; LEAF_SIZE],
+        w: [0.0; LEAF_SIZE],
+    };
+}
+
+/// Both tests, for all children of a node and all triangles of a leaf at once. All kernels yield the same bits.
+pub(super) trait Kernel {
+    /// The children whose boxes the ray meets before `t_max`.
+    fn meet_boxes(node: &Node, ray: &Prepared, t_max: f32) -> BoxHits;
+    /// Hits with `0 < t <= t_max`.
+    fn meet_triangles(leaf: &Leaf, ray: &Prepared, t_max: f32) -> LaneHits;
+    /// Asks for the memory of a node or leaf that will be visited.
+    fn prefetch(tree: &WideTree, child: u32);
 }
 
 /// The first triangle that the ray meets.
 #[inline(always)]
-pub(super) fn closest(tree: &WideTree, ray: &Ray) -> Option<Hit> {
+pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &Ray) -> Option<Hit> {
     let prepared = Prepared::new(ray);
     let mut best = Hit {
         t: ray.t_max,
@@ -52,40 +82,36 @@ pub(super) fn closest(tree: &WideTree, ray: &Ray) -> Option<Hit> {
     let mut current = 0u32;
     loop {
         if current & LEAF == 0 {
-            let (mut mask, near) = meet_boxes(&tree.nodes[current as usize], &prepared, best.t);
+            let node = &tree.nodes[current as usize];
+            let BoxHits { mut mask, near } = K::meet_boxes(node, &prepared, best.t);
             if mask != 0 {
-                let children = &tree.nodes[current as usize].children;
-                let entry =
-                    |lane: usize| u64::from(near[lane].to_bits()) << 32 | u64::from(children[lane]);
                 let next = |mask: &mut u32| {
                     let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
                     *mask &= *mask - 1;
-                    entry(lane)
+                    let child = node.children[lane];
+                    K::prefetch(tree, child);
+                    u64::from(near[lane].to_bits()) << 32 | u64::from(child)
                 };
-                let mut nearest = next(&mut mask);
-                if mask == 0 {
-                    current = nearest as u32;
-                    continue;
-                }
                 // The nearest child is next; the others wait, the farthest at the bottom.
+                let mut nearest = next(&mut mask);
                 let bottom = stack.len();
                 while mask != 0 {
-                    let mut other = next(&mut mask);
-                    if other < nearest {
-                        std::mem::swap(&mut other, &mut nearest);
-                    }
-                    stack.insert_descending(bottom, other);
+                    let other = next(&mut mask);
+                    stack.insert_descending(bottom, other.max(nearest));
+                    nearest = other.min(nearest);
                 }
                 current = nearest as u32;
                 continue;
             }
         } else {
             let leaf = &tree.leaves[(current & !LEAF) as usize];
-            let lanes = meet_triangles(leaf, &prepared, best.t);
-            for lane in 0..LEAF_SIZE {
-                let triangle = leaf.triangles[lane];
-                let t = lanes.t[lane];
-                if lanes.is_hit[lane] && (t < best.t || (t == best.t && triangle < best.triangle)) {
+            let lanes = K::meet_triangles(leaf, &prepared, best.t);
+            let mut mask = lanes.mask;
+            while mask != 0 {
+                let lane = mask.trailing_zeros() as usize & (LEAF_SIZE - 1);
+                mask &= mask - 1;
+                let (t, triangle) = (lanes.t[lane], leaf.triangles[lane]);
+                if t < best.t || (t == best.t && triangle < best.triangle) {
                     best = Hit {
                         t,
                         triangle,
@@ -108,26 +134,26 @@ pub(super) fn closest(tree: &WideTree, ray: &Ray) -> Option<Hit> {
 
 /// True if the ray meets any triangle before its end.
 #[inline(always)]
-pub(super) fn any(tree: &WideTree, ray: &Ray) -> bool {
+pub(super) fn any<K: Kernel>(tree: &WideTree, ray: &Ray) -> bool {
     let prepared = Prepared::new(ray);
     let mut stack = Stack::new();
     let mut current = 0u32;
     loop {
         if current & LEAF == 0 {
-            let (mut mask, _) = meet_boxes(&tree.nodes[current as usize], &prepared, ray.t_max);
-            let children = &tree.nodes[current as usize].children;
+            let node = &tree.nodes[current as usize];
+            let mut mask = K::meet_boxes(node, &prepared, ray.t_max).mask;
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
                 mask &= mask - 1;
-                stack.push(u64::from(children[lane]));
+                K::prefetch(tree, node.children[lane]);
+                stack.push(u64::from(node.children[lane]));
             }
         } else {
             let leaf = &tree.leaves[(current & !LEAF) as usize];
-            let lanes = meet_triangles(leaf, &prepared, ray.t_max);
-            for lane in 0..LEAF_SIZE {
-                if lanes.is_hit[lane] && lanes.t[lane] < ray.t_max {
-                    return true;
-                }
+            let lanes = K::meet_triangles(leaf, &prepared, ray.t_max);
+            // A hit at the very end does not count.
+            if (0..LEAF_SIZE).any(|lane| lanes.mask >> lane & 1 != 0 && lanes.t[lane] < ray.t_max) {
+                return true;
             }
         }
         let Some(entry) = stack.pop() else {
@@ -172,87 +198,10 @@ impl Prepared {
     }
 }
 
-/// A bit for each child whose box the ray meets before `t_max`, and the distances.
-#[inline(always)]
-fn meet_boxes(node: &Node, ray: &Prepared, t_max: f32) -> (u32, [f32; WIDTH]) {
-    let mut near = [0f32; WIDTH];
-    let mut far = [t_max; WIDTH];
-    for axis in 0..3 {
-        let (o, inverse) = (ray.origin[axis], ray.inverse[axis]);
-        let first = &node.bounds[ray.near[axis]];
-        let last = &node.bounds[ray.near[axis] ^ 1];
-        for lane in 0..WIDTH {
-            let t = (first[lane] - o) * inverse;
-            near[lane] = if t > near[lane] { t } else { near[lane] };
-        }
-        for lane in 0..WIDTH {
-            let t = (last[lane] - o) * inverse * FAR_PADDING;
-            far[lane] = if t < far[lane] { t } else { far[lane] };
-        }
-    }
-    let mut mask = 0u32;
-    for lane in 0..WIDTH {
-        mask |= u32::from(near[lane] <= far[lane]) << lane;
-    }
-    (mask, near)
-}
-
-/// Hits with `0 < t <= t_max`, lane by lane.
-#[inline(always)]
-fn meet_triangles(leaf: &Leaf, ray: &Prepared, t_max: f32) -> LaneHits {
-    let [kx, ky, kz] = ray.axes;
-    let [sx, sy, sz] = ray.shear;
-    let (ox, oy, oz) = (ray.origin[kx], ray.origin[ky], ray.origin[kz]);
-    let mut x = [[0f32; LEAF_SIZE]; 3];
-    let mut y = [[0f32; LEAF_SIZE]; 3];
-    let mut z = [[0f32; LEAF_SIZE]; 3];
-    for corner in 0..3 {
-        let c = &leaf.corners[corner];
-        for lane in 0..LEAF_SIZE {
-            let depth = c[kz][lane] - oz;
-            z[corner][lane] = depth;
-            x[corner][lane] = c[kx][lane] - ox - sx * depth;
-            y[corner][lane] = c[ky][lane] - oy - sy * depth;
-        }
-    }
-    let mut u = [0f32; LEAF_SIZE];
-    let mut v = [0f32; LEAF_SIZE];
-    let mut w = [0f32; LEAF_SIZE];
-    let mut on_edge = false;
-    for lane in 0..LEAF_SIZE {
-        u[lane] = x[2][lane] * y[1][lane] - y[2][lane] * x[1][lane];
-        v[lane] = x[0][lane] * y[2][lane] - y[0][lane] * x[2][lane];
-        w[lane] = x[1][lane] * y[0][lane] - y[1][lane] * x[0][lane];
-        on_edge |= u[lane] == 0.0 || v[lane] == 0.0 || w[lane] == 0.0;
-    }
-    if on_edge {
-        decide_in_double(&x, &y, &mut u, &mut v, &mut w);
-    }
-    let mut hits = LaneHits {
-        t: [0.0; LEAF_SIZE],
-        v: [0.0; LEAF_SIZE],
-        w: [0.0; LEAF_SIZE],
-        is_hit: [false; LEAF_SIZE],
-    };
-    for lane in 0..LEAF_SIZE {
-        let is_outside = (u[lane] < 0.0 || v[lane] < 0.0 || w[lane] < 0.0)
-            && (u[lane] > 0.0 || v[lane] > 0.0 || w[lane] > 0.0);
-        let determinant = u[lane] + v[lane] + w[lane];
-        let inverse = 1.0 / determinant;
-        let scaled = u[lane] * z[0][lane] + v[lane] * z[1][lane] + w[lane] * z[2][lane];
-        let t = sz * scaled * inverse;
-        hits.t[lane] = t;
-        hits.v[lane] = v[lane] * inverse;
-        hits.w[lane] = w[lane] * inverse;
-        hits.is_hit[lane] = !is_outside && determinant != 0.0 && t > 0.0 && t <= t_max;
-    }
-    hits
-}
-
 /// Where an edge is met as exactly as single precision can tell, double precision decides.
 #[cold]
 #[inline(never)]
-fn decide_in_double(
+pub(super) fn decide_in_double(
     x: &[[f32; LEAF_SIZE]; 3],
     y: &[[f32; LEAF_SIZE]; 3],
     u: &mut [f32; LEAF_SIZE],

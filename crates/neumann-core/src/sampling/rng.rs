@@ -1,35 +1,41 @@
 //! Counter-based random numbers: any path can be replayed alone.
 //!
 //! A number is a pure function of (seed, path, iteration, dimension). For a
-//! fixed path and dimension, the iterations run through a (0,2)-sequence (the
+//! fixed path and pair of dimensions, the iterations run through a (0,2)-sequence (the
 //! first two dimensions of Sobol), shuffled and scrambled by nested uniform
 //! (Owen) scrambling with a hash ([Burley 2020]). Pairs of dimensions are padded:
 //! each pair is a shuffled copy of its own.
+//!
+//! Four pairs, about what one bounce needs, are made at once, in vectors where the processor has them.
+
+/// Pairs of numbers that are made at once.
+const N_PAIRS: usize = 4;
+/// Blocks of pairs kept for each bounce, so that what one bounce draws does not shift the next.
+const BLOCKS_PER_BOUNCE: u32 = 8;
+/// Numbers of paths from here on are those of shared sequences.
+const SHARED: u64 = 1 << 63;
 
 /// The random numbers of one path in one iteration.
 #[derive(Clone, Debug)]
 pub struct Sampler {
     key: u64,
-    iteration: u32,
-    dimension: u32,
+    iteration_reversed: u32,
+    /// Number of the block to be made next.
+    block: u32,
+    /// First and second dimension of each pair.
+    pairs: [[f32; N_PAIRS]; 2],
+    /// The pair to be drawn next, [`N_PAIRS`] where a new block is needed.
+    next: u32,
+    /// The second number of a pair of which only the first was drawn.
+    spare: Option<f32>,
 }
-
-/// Numbers of paths from here on are those of shared sequences.
-const SHARED: u64 = 1 << 63;
-
-/// Dimensions kept for each bounce, so that what one bounce draws does not shift the next.
-const DIMENSIONS_PER_BOUNCE: u32 = 32;
 
 impl Sampler {
     /// The numbers of path number `path` in iteration number `iteration`.
     #[inline]
     #[must_use]
     pub fn new(seed: u64, path: u64, iteration: u32) -> Self {
-        Self {
-            key: mix(mix(seed) ^ path),
-            iteration,
-            dimension: 0,
-        }
+        Self::of_key(mix(mix(seed) ^ path), iteration.reverse_bits())
     }
 
     /// Element number `index` of one sequence that many paths share: what one path draws stratifies what the
@@ -44,48 +50,94 @@ impl Sampler {
     #[inline]
     #[must_use]
     pub fn branch(&self, number: u32) -> Self {
+        let place = u64::from(self.block) << 8 | u64::from(self.next);
+        let key = mix(self.key ^ (u64::from(number) + 1) << 40 ^ place);
+        Self::of_key(key, self.iteration_reversed)
+    }
+
+    #[inline]
+    fn of_key(key: u64, iteration_reversed: u32) -> Self {
         Self {
-            key: mix(self.key ^ (u64::from(number) + 1) << 40 ^ u64::from(self.dimension)),
-            iteration: self.iteration,
-            dimension: 0,
+            key,
+            iteration_reversed,
+            block: 0,
+            pairs: [[0.0; N_PAIRS]; 2],
+            next: N_PAIRS as u32,
+            spare: None,
         }
     }
 
     /// Goes to the dimensions of bounce `k`; those before are the camera's or the light's own.
     #[inline]
     pub fn start_bounce(&mut self, k: u32) {
-        self.dimension = (k + 1) * DIMENSIONS_PER_BOUNCE;
+        self.block = (k + 1) * BLOCKS_PER_BOUNCE;
+        self.next = N_PAIRS as u32;
+        self.spare = None;
     }
 
     /// A number in [0, 1).
     #[inline]
     pub fn next_1d(&mut self) -> f32 {
-        let hash = self.next_hash();
-        let index = owen_scramble(self.iteration, hash as u32);
-        unit_from_bits(owen_scramble_reversed(index, (hash >> 32) as u32))
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        let [number, spare] = self.next_2d();
+        self.spare = Some(spare);
+        number
     }
 
     /// A point in [0, 1)².
     #[inline]
     pub fn next_2d(&mut self) -> [f32; 2] {
-        let hash = self.next_hash();
-        let index = owen_scramble(self.iteration, hash as u32);
-        let scramble = (hash >> 32) as u32;
-        [
-            unit_from_bits(owen_scramble_reversed(index, scramble)),
-            unit_from_bits(owen_scramble_reversed(
-                pascal(index),
-                scramble.wrapping_mul(0x9e37_79b9) ^ 0x5bd1_e995,
-            )),
-        ]
+        if self.next as usize >= N_PAIRS {
+            let hash = mix(self.key ^ (u64::from(self.block) << 32 | 0x9e37));
+            self.pairs = pairs(self.iteration_reversed, hash);
+            self.block += 1;
+            self.next = 0;
+        }
+        let i = self.next as usize % N_PAIRS;
+        self.next += 1;
+        [self.pairs[0][i], self.pairs[1][i]]
     }
+}
 
-    #[inline]
-    fn next_hash(&mut self) -> u64 {
-        let hash = mix(self.key ^ (u64::from(self.dimension) << 32 | 0x9e37));
-        self.dimension += 1;
-        hash
+/// A block of points in [0, 1)²: those of the given iteration in sequences that `hash` tells apart.
+#[inline]
+fn pairs(iteration_reversed: u32, hash: u64) -> [[f32; N_PAIRS]; 2] {
+    #[cfg(target_arch = "x86_64")]
+    if std::is_x86_feature_detected!("avx2") {
+        #[allow(unsafe_code, reason = "the processor was just found to have AVX2")]
+        // SAFETY: as said.
+        return unsafe { pairs_avx2(iteration_reversed, hash) };
     }
+    pairs_in_lanes(iteration_reversed, hash)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn pairs_avx2(iteration_reversed: u32, hash: u64) -> [[f32; N_PAIRS]; 2] {
+    pairs_in_lanes(iteration_reversed, hash)
+}
+
+#[inline(always)]
+fn pairs_in_lanes(iteration_reversed: u32, hash: u64) -> [[f32; N_PAIRS]; 2] {
+    // One hash for each lane to shuffle by, and one for each dimension of each to scramble by.
+    let mut seeds = [0u32; 4 * N_PAIRS];
+    for (i, seed) in seeds.iter_mut().enumerate() {
+        let half = if i < 2 * N_PAIRS { hash } else { hash >> 32 } as u32;
+        *seed = mix_32(half.wrapping_add((i as u32 + 1).wrapping_mul(0x9e37_79b9)));
+    }
+    let mut points = [0u32; 2 * N_PAIRS];
+    for (i, point) in points.iter_mut().enumerate() {
+        let index = laine_karras(iteration_reversed, seeds[i % N_PAIRS]).reverse_bits();
+        let second = pascal(index);
+        *point = if i < N_PAIRS { index } else { second };
+    }
+    for (point, seed) in points.iter_mut().zip(&seeds[2 * N_PAIRS..]) {
+        *point = laine_karras(*point, *seed).reverse_bits();
+    }
+    let unit = points.map(unit_from_bits);
+    [0, 1].map(|dimension| std::array::from_fn(|i| unit[dimension * N_PAIRS + i]))
 }
 
 /// A bijective hash of 64 bits (the finaliser of `SplitMix64`, Steele et al. 2014).
@@ -97,8 +149,17 @@ fn mix(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// The Laine-Karras permutation with the constants of [Burley 2020]: every bit is
-/// flipped depending on the bits below it, which on reversed bits is an Owen scrambling.
+/// A bijective hash of 32 bits (the finaliser of `MurmurHash3`, Appleby 2011).
+#[inline]
+fn mix_32(mut x: u32) -> u32 {
+    x = (x ^ (x >> 16)).wrapping_mul(0x85eb_ca6b);
+    x = (x ^ (x >> 13)).wrapping_mul(0xc2b2_ae35);
+    x ^ (x >> 16)
+}
+
+/// The Laine-Karras permutation with the constants of [Burley 2020]: every bit is flipped depending on the
+/// bits below it. On reversed bits that is a nested uniform (Owen) scrambling: of a binary fraction, or, as
+/// a shuffle, of an index.
 #[inline]
 fn laine_karras(mut x: u32, seed: u32) -> u32 {
     x = x.wrapping_add(seed);
@@ -107,18 +168,6 @@ fn laine_karras(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0xc7af_e638);
     x ^= x.wrapping_mul(0x8d22_f6e6);
     x
-}
-
-/// Owen scrambling of the binary fraction `x / 2³²`; on an index, a nested uniform shuffle.
-#[inline]
-fn owen_scramble(x: u32, seed: u32) -> u32 {
-    laine_karras(x.reverse_bits(), seed).reverse_bits()
-}
-
-/// The Owen-scrambled radical inverse of `x`.
-#[inline]
-fn owen_scramble_reversed(x: u32, seed: u32) -> u32 {
-    laine_karras(x, seed).reverse_bits()
 }
 
 /// Multiplies the bits of `x` by Pascal's matrix modulo 2, which takes van der

@@ -1,0 +1,224 @@
+//! How many rays a second one thread traces through a big tree, beside Embree if a harness wants it.
+//!
+//! `cargo run --release -p neumann-core --example rays -- SUBDIVISIONS [--write FILE] [--rounds N]`
+//!
+//! The scene is a closed room with seven bumpy spheres of `20 · 4^SUBDIVISIONS` triangles each: 5 makes 143 000,
+//! 7 makes 2.3 million. With `--write` the triangles and rays go to a file that `scripts/peers/embree.cpp` reads, so that
+//! both programs trace the same rays. Prints one line of JSON: seconds to build, and millions of rays a second of
+//! this thread's processor time for camera rays, bounce rays (cosine-distributed from what the camera
+//! sees, and so in no order) and shadow rays.
+
+use std::collections::HashMap;
+use std::io::Write;
+use std::time::Instant;
+
+use glam::Vec3;
+use neumann_core::accel::Bvh;
+use neumann_core::math::{Frame, Ray};
+use neumann_core::sampling::{Sampler, warp};
+
+/// Side of the picture that the camera rays make, pixels.
+const SIDE: u32 = 1000;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let value_of = |name: &str| {
+        let at = arguments.iter().position(|a| a == name)?;
+        arguments.get(at + 1)
+    };
+    let n_subdivisions: u32 = arguments.first().map_or(Ok(5), |a| a.parse())?;
+    let n_rounds: usize = value_of("--rounds").map_or(Ok(1), |a| a.parse())?;
+
+    let triangles = room_with_spheres(n_subdivisions);
+    let start = Instant::now();
+    let bvh = Bvh::new(&triangles);
+    let build_seconds = start.elapsed().as_secs_f64();
+
+    let kinds = rays(&bvh, &triangles);
+    if let Some(path) = value_of("--write") {
+        write(path, &triangles, &kinds)?;
+    }
+    for _ in 0..n_rounds {
+        let speed = |rays: &[Ray], trace: &dyn Fn(&Ray) -> bool| {
+            let start = thread_seconds();
+            let n_hits = rays.iter().filter(|ray| trace(ray)).count();
+            let speed = rays.len() as f64 / 1e6 / (thread_seconds() - start);
+            (speed, n_hits)
+        };
+        let [primary, bounce, shadow] = &kinds;
+        let closest = |ray: &Ray| bvh.closest_hit(ray).is_some();
+        let any = |ray: &Ray| bvh.is_occluded(ray);
+        let primary = speed(primary, &closest);
+        let bounce = speed(bounce, &closest);
+        let shadow = speed(shadow, &any);
+        #[allow(clippy::print_stdout, reason = "its output")]
+        {
+            println!(
+                "{{\"program\": \"neumann\", \"triangles\": {}, \"build_s\": {build_seconds:.3}, \
+                 \"primary\": {:.3}, \"bounce\": {:.3}, \"shadow\": {:.3}, \"hits\": [{}, {}, {}]}}",
+                triangles.len(),
+                primary.0,
+                bounce.0,
+                shadow.0,
+                primary.1,
+                bounce.1,
+                shadow.1
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Processor time of this thread, seconds.
+fn thread_seconds() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+/// Camera, bounce and shadow rays.
+fn rays(bvh: &Bvh, triangles: &[[Vec3; 3]]) -> [Vec<Ray>; 3] {
+    let eye = Vec3::new(0.0, 1.0, 5.9);
+    let (mut primary, mut bounce, mut shadow) = (Vec::new(), Vec::new(), Vec::new());
+    for pixel in 0..SIDE * SIDE {
+        let mut sampler = Sampler::new(1, u64::from(pixel), 0);
+        let at = |i: u32, u: f32| (i as f32 + u) / SIDE as f32 * 2.0 - 1.0;
+        let [u, v] = sampler.next_2d();
+        let target = Vec3::new(at(pixel % SIDE, u), -at(pixel / SIDE, v), -1.6);
+        let ray = Ray::new(eye, target.normalize());
+        primary.push(ray);
+        let Some(hit) = bvh.closest_hit(&ray) else {
+            continue;
+        };
+        let [a, b, c] = triangles[hit.triangle as usize];
+        let ng = (b - a).cross(c - a).normalize();
+        let ng = if ng.dot(ray.direction) > 0.0 { -ng } else { ng };
+        let origin = ray.at(hit.t) + ng * 1e-4;
+        let local = warp::cosine_hemisphere(sampler.next_2d());
+        bounce.push(Ray::new(origin, Frame::from_z(ng).world_from_local(local)));
+        let [u, v] = sampler.next_2d();
+        let lamp = Vec3::new(2.0 * u - 1.0, 3.9, 2.0 * v - 1.0) - origin;
+        shadow.push(Ray {
+            origin,
+            direction: lamp.normalize(),
+            t_max: lamp.length(),
+        });
+    }
+    [primary, bounce, shadow]
+}
+
+fn room_with_spheres(n_subdivisions: u32) -> Vec<[Vec3; 3]> {
+    let mut triangles = Vec::new();
+    // The room: a box of six sides, seen from within.
+    for axis in 0..3 {
+        for side in [-1.0f32, 1.0] {
+            let half = Vec3::new(6.0, 4.0, 6.0);
+            let at = |u: f32, v: f32| {
+                let mut p = Vec3::ZERO;
+                p[axis] = side;
+                p[(axis + 1) % 3] = u;
+                p[(axis + 2) % 3] = v;
+                p * half
+            };
+            triangles.push([at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0)]);
+            triangles.push([at(-1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)]);
+        }
+    }
+    let centers = [
+        [0.0, -1.5, 0.0],
+        [-3.0, -2.0, -1.0],
+        [3.0, -2.2, -0.5],
+        [-1.6, -2.8, 2.4],
+        [1.8, -2.9, 2.2],
+        [-2.2, 1.3, -2.5],
+        [2.4, 1.5, -2.2],
+    ];
+    let radii = [1.7, 1.5, 1.4, 0.9, 0.8, 1.3, 1.2];
+    let unit = icosphere(n_subdivisions);
+    for (center, radius) in centers.into_iter().zip(radii) {
+        let bump = |p: Vec3| {
+            let waves = (9.0 * p.x).sin() * (11.0 * p.y + 1.0).sin() * (10.0 * p.z + 2.0).sin();
+            let ripples = (71.0 * p.x).sin() * (67.0 * p.y).sin() * (73.0 * p.z).sin();
+            Vec3::from(center) + p * (radius * (1.0 + 0.08 * waves + 0.01 * ripples))
+        };
+        triangles.extend(unit.iter().map(|t| t.map(bump)));
+    }
+    triangles
+}
+
+/// Triangles of a sphere of radius 1, split out of an icosahedron.
+fn icosphere(n_subdivisions: u32) -> Vec<[Vec3; 3]> {
+    let golden = 0.5 * (1.0 + 5f32.sqrt());
+    let mut corners: Vec<Vec3> = Vec::new();
+    for (a, b) in [
+        (1.0, golden),
+        (-1.0, golden),
+        (1.0, -golden),
+        (-1.0, -golden),
+    ] {
+        corners.push(Vec3::new(a, b, 0.0).normalize());
+        corners.push(Vec3::new(0.0, a, b).normalize());
+        corners.push(Vec3::new(b, 0.0, a).normalize());
+    }
+    // Faces are the triples of mutual neighbours.
+    let edge = corners[1..]
+        .iter()
+        .map(|c| c.distance(corners[0]))
+        .fold(f32::INFINITY, f32::min)
+        * 1.01;
+    let near = |i: usize, j: usize| corners[i].distance(corners[j]) < edge;
+    let mut faces = Vec::new();
+    for i in 0..12 {
+        for j in i + 1..12 {
+            for k in j + 1..12 {
+                if near(i, j) && near(j, k) && near(i, k) {
+                    faces.push([i, j, k]);
+                }
+            }
+        }
+    }
+    for _ in 0..n_subdivisions {
+        let mut middles = HashMap::new();
+        let mut finer = Vec::with_capacity(4 * faces.len());
+        for [i, j, k] in faces {
+            let mut middle = |a: usize, b: usize| {
+                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    corners.push((corners[a] + corners[b]).normalize());
+                    corners.len() - 1
+                })
+            };
+            let (a, b, c) = (middle(i, j), middle(j, k), middle(k, i));
+            finer.extend([[i, a, c], [a, j, b], [c, b, k], [a, b, c]]);
+        }
+        faces = finer;
+    }
+    faces
+        .into_iter()
+        .map(|face| face.map(|i| corners[i]))
+        .collect()
+}
+
+/// Numbers of triangles and of each kind of ray (u32), then nine floats a triangle and seven (origin, direction,
+/// length) a ray; little-endian.
+fn write(path: &str, triangles: &[[Vec3; 3]], kinds: &[Vec<Ray>; 3]) -> std::io::Result<()> {
+    let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
+    for n in [triangles.len()]
+        .into_iter()
+        .chain(kinds.iter().map(Vec::len))
+    {
+        file.write_all(&(n as u32).to_le_bytes())?;
+    }
+    let mut floats = |values: &[f32]| {
+        values
+            .iter()
+            .try_for_each(|v| file.write_all(&v.to_le_bytes()))
+    };
+    for corner in triangles.iter().flatten() {
+        floats(&corner.to_array())?;
+    }
+    for ray in kinds.iter().flatten() {
+        floats(&ray.origin.to_array())?;
+        floats(&ray.direction.to_array())?;
+        floats(&[ray.t_max])?;
+    }
+    Ok(())
+}

@@ -1,0 +1,171 @@
+//! Both tests in vectors of eight and four, for processors with AVX2.
+//!
+//! The same operations in the same order as in [`super::portable`], so that the bits agree.
+#![allow(
+    unsafe_code,
+    reason = "vector instructions; `Bvh` calls this module only where the processor has them"
+)]
+
+use std::arch::x86_64::{
+    __m128, __m256, _CMP_EQ_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NEQ_UQ, _MM_HINT_T0,
+    _mm_add_ps, _mm_and_ps, _mm_andnot_ps, _mm_cmp_ps, _mm_div_ps, _mm_load_ps, _mm_movemask_ps,
+    _mm_mul_ps, _mm_or_ps, _mm_prefetch, _mm_set1_ps, _mm_setzero_ps, _mm_store_ps, _mm_sub_ps,
+    _mm256_cmp_ps, _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
+    _mm256_set1_ps, _mm256_setzero_ps, _mm256_store_ps, _mm256_sub_ps,
+};
+
+use super::Hit;
+use super::traverse::{self, BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
+use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
+use crate::math::Ray;
+
+struct Avx2;
+
+/// Room for a vector in memory.
+#[repr(C, align(32))]
+struct Aligned<const N: usize>([f32; N]);
+
+pub(super) fn closest(tree: &WideTree, ray: &Ray) -> Option<Hit> {
+    // SAFETY: `Bvh` chooses this module only where all of the features were detected.
+    unsafe { closest_with_features(tree, ray) }
+}
+
+pub(super) fn any(tree: &WideTree, ray: &Ray) -> bool {
+    // SAFETY: as above.
+    unsafe { any_with_features(tree, ray) }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
+fn closest_with_features(tree: &WideTree, ray: &Ray) -> Option<Hit> {
+    traverse::closest::<Avx2>(tree, ray)
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
+fn any_with_features(tree: &WideTree, ray: &Ray) -> bool {
+    traverse::any::<Avx2>(tree, ray)
+}
+
+impl Kernel for Avx2 {
+    #[inline(always)]
+    fn meet_boxes(node: &Node, ray: &Prepared, t_max: f32) -> BoxHits {
+        // SAFETY: inlined into functions that have the features; rows are eight floats at
+        // multiples of 32 bytes.
+        unsafe {
+            let row = |i: usize| _mm256_load_ps(node.bounds[i].as_ptr());
+            let mut near: __m256 = _mm256_setzero_ps();
+            let mut far: __m256 = _mm256_set1_ps(t_max);
+            for axis in 0..3 {
+                let origin = _mm256_set1_ps(ray.origin[axis]);
+                let inverse = _mm256_set1_ps(ray.inverse[axis]);
+                let first = row(ray.near[axis]);
+                let last = row(ray.near[axis] ^ 1);
+                near = _mm256_max_ps(_mm256_mul_ps(_mm256_sub_ps(first, origin), inverse), near);
+                let t = _mm256_mul_ps(_mm256_sub_ps(last, origin), inverse);
+                far = _mm256_min_ps(_mm256_mul_ps(t, _mm256_set1_ps(FAR_PADDING)), far);
+            }
+            let mut distances = Aligned([0.0; WIDTH]);
+            _mm256_store_ps(distances.0.as_mut_ptr(), near);
+            BoxHits {
+                mask: _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32,
+                near: distances.0,
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn meet_triangles(leaf: &Leaf, ray: &Prepared, t_max: f32) -> LaneHits {
+        // SAFETY: as above; coordinates are four floats at multiples of 16 bytes.
+        unsafe {
+            let [kx, ky, kz] = ray.axes;
+            let [sx, sy, sz] = ray.shear.map(|s| _mm_set1_ps(s));
+            let [ox, oy, oz] = [kx, ky, kz].map(|axis| _mm_set1_ps(ray.origin[axis]));
+            let sheared = |corner: usize| {
+                let c = &leaf.corners[corner];
+                let depth = _mm_sub_ps(_mm_load_ps(c[kz].as_ptr()), oz);
+                let x = _mm_sub_ps(_mm_load_ps(c[kx].as_ptr()), ox);
+                let y = _mm_sub_ps(_mm_load_ps(c[ky].as_ptr()), oy);
+                [
+                    _mm_sub_ps(x, _mm_mul_ps(sx, depth)),
+                    _mm_sub_ps(y, _mm_mul_ps(sy, depth)),
+                    depth,
+                ]
+            };
+            let [a, b, c] = [sheared(0), sheared(1), sheared(2)];
+            let edge = |p: &[__m128; 3], q: &[__m128; 3]| {
+                _mm_sub_ps(_mm_mul_ps(p[0], q[1]), _mm_mul_ps(p[1], q[0]))
+            };
+            let mut u = edge(&c, &b);
+            let mut v = edge(&a, &c);
+            let mut w = edge(&b, &a);
+            let zero = _mm_setzero_ps();
+            let is_zero = |x| _mm_cmp_ps::<_CMP_EQ_OQ>(x, zero);
+            let on_edge = _mm_or_ps(_mm_or_ps(is_zero(u), is_zero(v)), is_zero(w));
+            if _mm_movemask_ps(on_edge) != 0 {
+                let stored = |x: __m128| {
+                    let mut lanes = Aligned([0.0; LEAF_SIZE]);
+                    _mm_store_ps(lanes.0.as_mut_ptr(), x);
+                    lanes
+                };
+                let xs = [a[0], b[0], c[0]].map(|x| stored(x).0);
+                let ys = [a[1], b[1], c[1]].map(|y| stored(y).0);
+                let [mut us, mut vs, mut ws] = [u, v, w].map(stored);
+                decide_in_double(&xs, &ys, &mut us.0, &mut vs.0, &mut ws.0);
+                [u, v, w] = [us, vs, ws].map(|lanes| _mm_load_ps(lanes.0.as_ptr()));
+            }
+            let is_negative = |x| _mm_cmp_ps::<_CMP_LT_OQ>(x, zero);
+            let is_positive = |x| _mm_cmp_ps::<_CMP_GT_OQ>(x, zero);
+            let some_negative =
+                _mm_or_ps(_mm_or_ps(is_negative(u), is_negative(v)), is_negative(w));
+            let some_positive =
+                _mm_or_ps(_mm_or_ps(is_positive(u), is_positive(v)), is_positive(w));
+            let determinant = _mm_add_ps(_mm_add_ps(u, v), w);
+            let is_inside = _mm_andnot_ps(
+                _mm_and_ps(some_negative, some_positive),
+                _mm_cmp_ps::<_CMP_NEQ_UQ>(determinant, zero),
+            );
+            if _mm_movemask_ps(is_inside) == 0 {
+                return LaneHits::NONE;
+            }
+            let inverse = _mm_div_ps(_mm_set1_ps(1.0), determinant);
+            let scaled = _mm_add_ps(
+                _mm_add_ps(_mm_mul_ps(u, a[2]), _mm_mul_ps(v, b[2])),
+                _mm_mul_ps(w, c[2]),
+            );
+            let t = _mm_mul_ps(_mm_mul_ps(sz, scaled), inverse);
+            let is_ahead = _mm_and_ps(
+                _mm_cmp_ps::<_CMP_GT_OQ>(t, zero),
+                _mm_cmp_ps::<_CMP_LE_OQ>(t, _mm_set1_ps(t_max)),
+            );
+            let mut hits = LaneHits::NONE;
+            hits.mask = _mm_movemask_ps(_mm_and_ps(is_inside, is_ahead)) as u32;
+            if hits.mask != 0 {
+                let stored = |x: __m128| {
+                    let mut lanes = Aligned([0.0; LEAF_SIZE]);
+                    _mm_store_ps(lanes.0.as_mut_ptr(), x);
+                    lanes.0
+                };
+                hits.t = stored(t);
+                hits.v = stored(_mm_mul_ps(v, inverse));
+                hits.w = stored(_mm_mul_ps(w, inverse));
+            }
+            hits
+        }
+    }
+
+    #[inline(always)]
+    fn prefetch(tree: &WideTree, child: u32) {
+        // SAFETY: prefetching has no effect but on speed, whatever the address.
+        unsafe {
+            let (start, n_lines) = if child & LEAF == 0 {
+                let start = tree.nodes.as_ptr().wrapping_add(child as usize);
+                (start.cast::<i8>(), 4)
+            } else {
+                let start = tree.leaves.as_ptr().wrapping_add((child & !LEAF) as usize);
+                (start.cast::<i8>(), 3)
+            };
+            for line in 0..n_lines {
+                _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line));
+            }
+        }
+    }
+}

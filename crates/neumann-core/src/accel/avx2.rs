@@ -156,16 +156,19 @@ impl Kernel for Avx2 {
     fn prefetch(tree: &WideTree, child: u32) {
         // SAFETY: prefetching has no effect but on speed, whatever the address.
         unsafe {
-            let (start, n_lines) = if child & LEAF == 0 {
-                let start = tree.nodes.as_ptr().wrapping_add(child as usize);
-                (start.cast::<i8>(), 4)
+            let start = if child & LEAF == 0 {
+                tree.nodes
+                    .as_ptr()
+                    .wrapping_add(child as usize)
+                    .cast::<i8>()
             } else {
-                let start = tree.leaves.as_ptr().wrapping_add((child & !LEAF) as usize);
-                (start.cast::<i8>(), 3)
+                let leaf = (child & !LEAF) as usize;
+                tree.leaves.as_ptr().wrapping_add(leaf).cast::<i8>()
             };
-            for line in 0..n_lines {
-                _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line));
-            }
+            _mm_prefetch::<_MM_HINT_T0>(start);
+            _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64));
+            _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(128));
+            _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(192));
         }
     }
 }

@@ -176,17 +176,12 @@ impl Prepared {
             }
         });
         let magnitude = d.map(f32::abs);
-        let z = if magnitude[0] > magnitude[1] {
-            if magnitude[0] > magnitude[2] { 0 } else { 2 }
-        } else if magnitude[1] > magnitude[2] {
-            1
-        } else {
-            2
-        };
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if d[z] < 0.0 {
-            std::mem::swap(&mut x, &mut y);
-        }
+        // Written so that no branch depends on the direction.
+        let z = usize::from(magnitude[1] > magnitude[0]);
+        let z = if magnitude[2] > magnitude[z] { 2 } else { z };
+        let is_flipped = usize::from(d[z] < 0.0);
+        let x = (z + 1 + is_flipped) % 3;
+        let y = (z + 2 - is_flipped) % 3;
         let scale = 1.0 / d[z];
         Self {
             origin,

@@ -34,6 +34,14 @@ pub struct SurfaceInputs<'a> {
     pub color: Vec4,
 }
 
+impl SurfaceInputs<'_> {
+    /// A mesh that says nothing.
+    pub const NONE: Self = Self {
+        uvs: &[],
+        color: Vec4::ONE,
+    };
+}
+
 impl Material {
     /// A material over the scene's images.
     #[must_use]
@@ -61,10 +69,7 @@ impl Material {
             || material.specular_color.is_some()
             || material.transmission.is_some();
         if !varies {
-            material.uniform = Some(material.evaluate(&SurfaceInputs {
-                uvs: &[],
-                color: Vec4::ONE,
-            }));
+            material.uniform = Some(material.evaluate(&SurfaceInputs::NONE));
         }
         material
     }
@@ -96,8 +101,14 @@ impl Material {
         self.absorption
     }
 
-    /// True if the surface scatters towards at least some directions from a density; only a hint
-    /// where textures decide.
+    /// True where nothing about the surface depends on texture coordinates, so that a hit need not read them.
+    #[inline]
+    #[must_use]
+    pub fn is_uniform(&self) -> bool {
+        self.uniform.is_some() && self.normal.is_none() && !self.has_alpha()
+    }
+
+    /// The texture that bends the normal.
     #[must_use]
     pub fn normal_texture(&self) -> Option<&Texture> {
         self.normal.as_ref()

@@ -42,6 +42,5 @@ impl Ray {
 #[inline]
 #[must_use]
 pub fn offset_point(p: Vec3, error: f32, ng: Vec3, towards: Vec3) -> Vec3 {
-    let along = if ng.dot(towards) < 0.0 { -ng } else { ng };
-    p + along * error
+    p + ng * error.copysign(ng.dot(towards))
 }

@@ -4,6 +4,7 @@ pub mod discrete;
 pub mod mis;
 mod rng;
 pub mod roulette;
+mod sobol;
 pub mod warp;
 
 pub use rng::Sampler;

@@ -1,15 +1,17 @@
 //! Counter-based random numbers: any path can be replayed alone.
 //!
 //! A number is a pure function of (seed, path, iteration, dimension). For a
-//! fixed path and pair of dimensions, the iterations run through a (0,2)-sequence (the
-//! first two dimensions of Sobol), shuffled and scrambled by nested uniform
-//! (Owen) scrambling with a hash ([Burley 2020]). Pairs of dimensions are padded:
-//! each pair is a shuffled copy of its own.
+//! fixed path, the iterations run through Sobol's sequence, shuffled and scrambled by nested uniform
+//! (Owen) scrambling with a hash ([Burley 2020]). What the camera (or the light) and the first two bounces
+//! draw are dimensions of one such sequence, so that the iterations cover their whole space evenly; the dimensions
+//! of later bounces are padded: each pair is a shuffled copy of its own of the first two, a (0,2)-sequence.
 //!
 //! Four pairs, about what one bounce needs, are made at once, in vectors where the processor has them.
 
+use super::sobol;
+
 /// Pairs of numbers that are made at once.
-const N_PAIRS: usize = 4;
+pub(super) const N_PAIRS: usize = 4;
 /// Blocks of pairs kept for each bounce, so that what one bounce draws does not shift the next.
 const BLOCKS_PER_BOUNCE: u32 = 8;
 /// Numbers of paths from here on are those of shared sequences.
@@ -20,6 +22,8 @@ const SHARED: u64 = 1 << 63;
 pub struct Sampler {
     key: u64,
     iteration_reversed: u32,
+    /// The iteration's place in the path's own shuffle of the sequence.
+    index: u32,
     /// Number of the block to be made next.
     block: u32,
     /// First and second dimension of each pair.
@@ -60,6 +64,7 @@ impl Sampler {
         Self {
             key,
             iteration_reversed,
+            index: laine_karras(iteration_reversed, mix_32(key as u32)).reverse_bits(),
             block: 0,
             pairs: [[0.0; N_PAIRS]; 2],
             next: N_PAIRS as u32,
@@ -91,7 +96,10 @@ impl Sampler {
     pub fn next_2d(&mut self) -> [f32; 2] {
         if self.next as usize >= N_PAIRS {
             let hash = mix(self.key ^ (u64::from(self.block) << 32 | 0x9e37));
-            self.pairs = pairs(self.iteration_reversed, hash);
+            self.pairs = match sobol::columns(self.block, BLOCKS_PER_BOUNCE) {
+                Some(columns) => pairs(Pairs::Joint(self.index, columns), hash),
+                None => pairs(Pairs::Padded(self.iteration_reversed), hash),
+            };
             self.block += 1;
             self.next = 0;
         }
@@ -101,43 +109,72 @@ impl Sampler {
     }
 }
 
-/// A block of points in [0, 1)²: those of the given iteration in sequences that `hash` tells apart.
+/// How the pairs of a block hang together.
+#[derive(Clone, Copy)]
+enum Pairs {
+    /// Dimensions of one sequence: the index in it, and the columns of the dimensions' matrices.
+    Joint(u32, &'static sobol::Columns),
+    /// A sequence of two dimensions for each pair: the iteration, its bits reversed.
+    Padded(u32),
+}
+
+/// A block of points in [0, 1)², scrambled by `hash`.
 #[inline]
-fn pairs(iteration_reversed: u32, hash: u64) -> [[f32; N_PAIRS]; 2] {
+fn pairs(pairs: Pairs, hash: u64) -> [[f32; N_PAIRS]; 2] {
     #[cfg(target_arch = "x86_64")]
     if std::is_x86_feature_detected!("avx2") {
         #[allow(unsafe_code, reason = "the processor was just found to have AVX2")]
         // SAFETY: as said.
-        return unsafe { pairs_avx2(iteration_reversed, hash) };
+        return unsafe { pairs_avx2(pairs, hash) };
     }
-    pairs_in_lanes(iteration_reversed, hash)
+    pairs_in_lanes(pairs, hash)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn pairs_avx2(iteration_reversed: u32, hash: u64) -> [[f32; N_PAIRS]; 2] {
-    pairs_in_lanes(iteration_reversed, hash)
+fn pairs_avx2(pairs: Pairs, hash: u64) -> [[f32; N_PAIRS]; 2] {
+    pairs_in_lanes(pairs, hash)
 }
 
 #[inline(always)]
-fn pairs_in_lanes(iteration_reversed: u32, hash: u64) -> [[f32; N_PAIRS]; 2] {
-    // One hash for each lane to shuffle by, and one for each dimension of each to scramble by.
-    let mut seeds = [0u32; 4 * N_PAIRS];
-    for (i, seed) in seeds.iter_mut().enumerate() {
-        let half = if i < 2 * N_PAIRS { hash } else { hash >> 32 } as u32;
-        *seed = mix_32(half.wrapping_add((i as u32 + 1).wrapping_mul(0x9e37_79b9)));
-    }
+fn pairs_in_lanes(pairs: Pairs, hash: u64) -> [[f32; N_PAIRS]; 2] {
+    // Bits reversed: the first dimension of every pair, then the second.
     let mut points = [0u32; 2 * N_PAIRS];
-    for (i, point) in points.iter_mut().enumerate() {
-        let index = laine_karras(iteration_reversed, seeds[i % N_PAIRS]).reverse_bits();
-        let second = pascal(index);
-        *point = if i < N_PAIRS { index } else { second };
+    match pairs {
+        Pairs::Joint(mut index, columns) => {
+            // The sum over the bits of the index of their columns, modulo 2.
+            for column in columns {
+                if index == 0 {
+                    break;
+                }
+                let mask = (index & 1).wrapping_neg();
+                for (point, c) in points.iter_mut().zip(column) {
+                    *point ^= c & mask;
+                }
+                index >>= 1;
+            }
+        }
+        Pairs::Padded(iteration_reversed) => {
+            let seeds: [u32; N_PAIRS] = lane_seeds(hash as u32);
+            for i in 0..N_PAIRS {
+                let index = laine_karras(iteration_reversed, seeds[i]).reverse_bits();
+                points[i] = index;
+                points[i + N_PAIRS] = pascal(index);
+            }
+        }
     }
-    for (point, seed) in points.iter_mut().zip(&seeds[2 * N_PAIRS..]) {
+    let seeds: [u32; 2 * N_PAIRS] = lane_seeds((hash >> 32) as u32);
+    for (point, seed) in points.iter_mut().zip(&seeds) {
         *point = laine_karras(*point, *seed).reverse_bits();
     }
     let unit = points.map(unit_from_bits);
     [0, 1].map(|dimension| std::array::from_fn(|i| unit[dimension * N_PAIRS + i]))
+}
+
+/// A hash for each lane.
+#[inline(always)]
+fn lane_seeds<const N: usize>(hash: u32) -> [u32; N] {
+    std::array::from_fn(|i| mix_32(hash.wrapping_add((i as u32 + 1).wrapping_mul(0x9e37_79b9))))
 }
 
 /// A bijective hash of 64 bits (the finaliser of `SplitMix64`, Steele et al. 2014).
@@ -200,6 +237,25 @@ mod tests {
         // The first eight points of Sobol's second dimension, times 8.
         let points: Vec<u32> = (0..8).map(|i| pascal(i).reverse_bits() >> 29).collect();
         assert_eq!(points, [0, 4, 6, 2, 5, 1, 3, 7]);
+    }
+
+    #[test]
+    fn dimensions_of_different_bounces_are_stratified_together() {
+        // Of 256 points, the first dimensions of the camera's block and of the next two bounces' have one or two
+        // in each of 4×4×4 cells of three times four on average, where padded ones would leave some out.
+        for key in 0..20 {
+            let mut counts = [0u32; 64];
+            for i in 0..256 {
+                let mut sampler = Sampler::new(7, key, i);
+                let x = sampler.next_1d();
+                sampler.start_bounce(0);
+                let y = sampler.next_1d();
+                sampler.start_bounce(1);
+                let z = sampler.next_1d();
+                counts[[x, y, z].iter().fold(0, |c, u| 4 * c + (u * 4.0) as usize)] += 1;
+            }
+            assert!(counts.iter().all(|n| *n == 4), "{counts:?}");
+        }
     }
 
     #[test]

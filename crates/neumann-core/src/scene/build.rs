@@ -4,7 +4,7 @@
 use glam::{Mat3, Vec3, Vec4};
 
 use super::description::{InstanceDescription, MeshDescription, SceneDescription};
-use super::geometry::{Geometry, PlacedMesh};
+use super::geometry::{Facet, Geometry, PlacedMesh};
 use crate::accel::Bvh;
 
 /// Coordinates beyond this overflow in single precision when squared and multiplied.
@@ -17,7 +17,7 @@ pub(super) fn geometry(
     warnings: &mut Vec<String>,
 ) -> Geometry {
     let mut meshes = Vec::new();
-    let mut mesh_of_triangle = Vec::new();
+    let mut facets = Vec::new();
     let mut corners: Vec<[Vec3; 3]> = Vec::new();
     for instance in &description.instances {
         let Some(mesh) = description.meshes.get(instance.mesh) else {
@@ -29,8 +29,9 @@ pub(super) fn geometry(
         placed.first_triangle = corners.len() as u32;
         let number = meshes.len() as u32;
         for triangle in &placed.triangles {
-            corners.push(placed.corners(triangle.map(|v| v as usize)));
-            mesh_of_triangle.push(number);
+            let of_triangle = placed.corners(triangle.map(|v| v as usize));
+            corners.push(of_triangle);
+            facets.push(Facet::new(&of_triangle, number));
         }
         meshes.push(placed);
     }
@@ -45,7 +46,7 @@ pub(super) fn geometry(
     Geometry {
         bvh: Bvh::new(&corners),
         meshes,
-        mesh_of_triangle,
+        facets,
         min,
         max,
     }

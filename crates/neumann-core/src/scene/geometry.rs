@@ -8,11 +8,49 @@ use crate::accel::Bvh;
 #[derive(Debug)]
 pub struct Geometry {
     pub(super) meshes: Vec<PlacedMesh>,
-    /// `mesh_of_triangle[triangle]`: index into `meshes`.
-    pub(super) mesh_of_triangle: Vec<u32>,
+    /// `facets[triangle]`.
+    pub(super) facets: Vec<Facet>,
     pub(super) bvh: Bvh,
     pub(super) min: Vec3,
     pub(super) max: Vec3,
+}
+
+/// What every hit of a triangle needs of it, in one line of cache.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Facet {
+    /// First corner, world space, metres.
+    pub corner: Vec3,
+    /// From the first corner to the second and the third.
+    pub edges: [Vec3; 2],
+    /// Normal, unit, towards the front side.
+    pub ng: Vec3,
+    /// Bound of the rounding error of points on it, metres.
+    pub error: f32,
+    /// Index of its mesh.
+    pub mesh: u32,
+}
+
+impl Facet {
+    /// A facet of mesh number `mesh` with an area that is not zero.
+    #[must_use]
+    pub fn new(corners: &[Vec3; 3], mesh: u32) -> Self {
+        let edges = [corners[1] - corners[0], corners[2] - corners[0]];
+        Self {
+            corner: corners[0],
+            edges,
+            ng: edges[0].cross(edges[1]).normalize(),
+            error: position_error(corners),
+            mesh,
+        }
+    }
+
+    /// The point with the given barycentric coordinates of the second and third corner.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, b: [f32; 2]) -> Vec3 {
+        self.corner + self.edges[0] * b[0] + self.edges[1] * b[1]
+    }
 }
 
 /// A mesh in world space.
@@ -49,7 +87,7 @@ impl Geometry {
     /// Number of triangles.
     #[must_use]
     pub fn n_triangles(&self) -> usize {
-        self.mesh_of_triangle.len()
+        self.facets.len()
     }
 
     /// The meshes.
@@ -58,11 +96,18 @@ impl Geometry {
         &self.meshes
     }
 
+    /// Shape and place of a triangle.
+    #[inline]
+    #[must_use]
+    pub fn facet(&self, triangle: u32) -> &Facet {
+        &self.facets[triangle as usize]
+    }
+
     /// The mesh of a triangle, and the triangle's corners as vertices of it.
     #[inline]
     #[must_use]
     pub fn triangle(&self, triangle: u32) -> (&PlacedMesh, [usize; 3]) {
-        let mesh = &self.meshes[self.mesh_of_triangle[triangle as usize] as usize];
+        let mesh = &self.meshes[self.facets[triangle as usize].mesh as usize];
         let corners = mesh.triangles[(triangle - mesh.first_triangle) as usize];
         (mesh, corners.map(|v| v as usize))
     }

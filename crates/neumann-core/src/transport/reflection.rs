@@ -71,15 +71,8 @@ pub fn aim_unshadowed(
     u: &LightSample,
 ) -> Option<(Aimed, crate::endpoint::Aim)> {
     let aim = tracer.scene.lights().aim(vertex.point.position, u)?;
-    let f_cos = vertex.f_cos(aim.wi, TransportMode::Radiance);
-    if f_cos.is_black() {
-        return None;
-    }
-    let pdf_w_bsdf = if aim.is_delta {
-        0.0
-    } else {
-        vertex.pdf_w(aim.wi, TransportMode::Radiance)
-    };
+    let (f_cos, pdf_w) = vertex.f_cos_and_pdf_w(aim.wi, TransportMode::Radiance)?;
+    let pdf_w_bsdf = if aim.is_delta { 0.0 } else { pdf_w };
     let aimed = Aimed {
         value: f_cos * aim.value / aim.pdf_w,
         pdf_w_light: aim.pdf_w,

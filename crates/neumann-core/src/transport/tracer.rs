@@ -4,13 +4,14 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::SurfaceVertex;
 use crate::accel::Hit;
+use crate::bsdf::Bsdf;
 use crate::endpoint::{Aim, SurfacePoint};
 use crate::material::{Material, SurfaceInputs};
 use crate::math::ray::offset_point;
 use crate::math::{Frame, Ray};
 use crate::radiometry::Rgb;
 use crate::scene::Scene;
-use crate::scene::geometry::{PlacedMesh, interpolate, position_error};
+use crate::scene::geometry::{Facet, PlacedMesh, interpolate};
 
 /// Sets of texture coordinates that are read at a vertex.
 const N_UV_SETS: usize = 4;
@@ -30,6 +31,13 @@ struct Attributes {
     uvs: [Vec2; N_UV_SETS],
     n_uv_sets: usize,
     color: Vec4,
+}
+
+/// What is to be known of a surface at a point beside its place.
+struct Surface {
+    ns: Vec3,
+    bsdf: Bsdf,
+    opacity: f32,
 }
 
 impl Attributes {
@@ -162,41 +170,64 @@ impl<'a> Tracer<'a> {
         self.surface_vertex(wo, &hit)
     }
 
+    #[inline]
     fn surface_vertex(&self, wo: Vec3, hit: &Hit) -> SurfaceVertex<'a> {
-        let (mesh, vertices) = self.scene.geometry().triangle(hit.triangle);
-        let corners = mesh.corners(vertices);
-        let ng = (corners[1] - corners[0])
-            .cross(corners[2] - corners[0])
-            .normalize();
+        let geometry = self.scene.geometry();
+        let facet = geometry.facet(hit.triangle);
+        let mesh = &geometry.meshes()[facet.mesh as usize];
         let material = &self.scene.materials()[mesh.material as usize];
-        let attributes = attributes(mesh, vertices, hit.barycentrics);
-        let ns = shading_normal(
-            mesh,
-            vertices,
-            &corners,
-            hit.barycentrics,
-            ng,
-            material,
-            &attributes,
-        );
+        let surface = if material.is_uniform() && mesh.colors.is_none() {
+            Surface {
+                ns: match &mesh.normals {
+                    None => facet.ng,
+                    Some(normals) => {
+                        let (_, vertices) = geometry.triangle(hit.triangle);
+                        smooth_normal(normals, vertices, hit.barycentrics, facet.ng)
+                    }
+                },
+                bsdf: material.bsdf(&SurfaceInputs::NONE),
+                opacity: 1.0,
+            }
+        } else {
+            self.varying_surface(hit, facet, material)
+        };
         SurfaceVertex {
             point: SurfacePoint {
-                position: interpolate(corners, hit.barycentrics),
-                error: position_error(&corners),
-                ng,
+                position: facet.at(hit.barycentrics),
+                error: facet.error,
+                ng: facet.ng,
             },
-            frame: Frame::from_z(ns),
+            frame: Frame::from_z(surface.ns),
             wo,
             distance: hit.t,
-            bsdf: material.bsdf(&attributes.inputs()),
+            bsdf: surface.bsdf,
             material,
+            opacity: surface.opacity,
+            triangle: hit.triangle,
+            barycentrics: hit.barycentrics,
+        }
+    }
+
+    /// What textures and vertices make of a surface at a point.
+    #[inline(never)]
+    fn varying_surface(&self, hit: &Hit, facet: &Facet, material: &Material) -> Surface {
+        let (mesh, vertices) = self.scene.geometry().triangle(hit.triangle);
+        let attributes = attributes(mesh, vertices, hit.barycentrics);
+        Surface {
+            ns: shading_normal(
+                mesh,
+                vertices,
+                facet,
+                hit.barycentrics,
+                material,
+                &attributes,
+            ),
+            bsdf: material.bsdf(&attributes.inputs()),
             opacity: if material.has_alpha() {
                 material.opacity(&attributes.inputs())
             } else {
                 1.0
             },
-            triangle: hit.triangle,
-            barycentrics: hit.barycentrics,
         }
     }
 
@@ -229,13 +260,9 @@ impl<'a> Tracer<'a> {
 
     /// The rest of a ray behind a surface that it passes.
     fn beyond(&self, ray: &Ray, hit: &Hit) -> Ray {
-        let (mesh, vertices) = self.scene.geometry().triangle(hit.triangle);
-        let corners = mesh.corners(vertices);
-        let ng = (corners[1] - corners[0])
-            .cross(corners[2] - corners[0])
-            .normalize();
-        let position = interpolate(corners, hit.barycentrics);
-        let origin = offset_point(position, position_error(&corners), ng, ray.direction);
+        let facet = self.scene.geometry().facet(hit.triangle);
+        let position = facet.at(hit.barycentrics);
+        let origin = offset_point(position, facet.error, facet.ng, ray.direction);
         Ray {
             origin,
             direction: ray.direction,
@@ -271,22 +298,26 @@ fn attributes(mesh: &PlacedMesh, vertices: [usize; 3], b: [f32; 2]) -> Attribute
     }
 }
 
-/// The interpolated normal, bent by the normal texture, on the side of `ng`.
+/// The interpolated normal, on the side of `ng`.
+#[inline]
+fn smooth_normal(normals: &[Vec3], vertices: [usize; 3], b: [f32; 2], ng: Vec3) -> Vec3 {
+    let n = interpolate(vertices.map(|v| normals[v]), b).normalize_or(ng);
+    if n.dot(ng) < 0.0 { -n } else { n }
+}
+
+/// The interpolated normal, bent by the normal texture, on the side of the facet's.
 #[inline]
 fn shading_normal(
     mesh: &PlacedMesh,
     vertices: [usize; 3],
-    corners: &[Vec3; 3],
+    facet: &Facet,
     b: [f32; 2],
-    ng: Vec3,
     material: &Material,
     attributes: &Attributes,
 ) -> Vec3 {
+    let ng = facet.ng;
     let smooth = match &mesh.normals {
-        Some(normals) => {
-            let n = interpolate(vertices.map(|v| normals[v]), b).normalize_or(ng);
-            if n.dot(ng) < 0.0 { -n } else { n }
-        }
+        Some(normals) => smooth_normal(normals, vertices, b, ng),
         None => ng,
     };
     let Some(tangent_normal) = material.tangent_normal(&attributes.inputs()) else {
@@ -296,7 +327,7 @@ fn shading_normal(
         Some(tangents) => interpolate(vertices.map(|v| tangents[v]), b),
         None => {
             let set = material.normal_texture().map_or(0, |t| t.uv_set);
-            tangent_from_uvs(mesh, vertices, corners, set, ng)
+            tangent_from_uvs(mesh, vertices, facet, set)
         }
     };
     let along = tangent.truncate();
@@ -309,18 +340,13 @@ fn shading_normal(
 
 /// Direction in which u grows over the triangle, with the sign of the bitangent; glTF's v grows
 /// down the image while its bitangent points up.
-fn tangent_from_uvs(
-    mesh: &PlacedMesh,
-    vertices: [usize; 3],
-    corners: &[Vec3; 3],
-    set: usize,
-    ng: Vec3,
-) -> Vec4 {
+fn tangent_from_uvs(mesh: &PlacedMesh, vertices: [usize; 3], facet: &Facet, set: usize) -> Vec4 {
+    let ng = facet.ng;
     let fallback = ng.any_orthonormal_vector().extend(1.0);
     let Some(uvs) = mesh.uv_sets.get(set) else {
         return fallback;
     };
-    let (p1, p2) = (corners[1] - corners[0], corners[2] - corners[0]);
+    let [p1, p2] = facet.edges;
     let (d1, d2) = (
         uvs[vertices[1]] - uvs[vertices[0]],
         uvs[vertices[2]] - uvs[vertices[0]],

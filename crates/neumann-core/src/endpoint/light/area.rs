@@ -185,7 +185,7 @@ impl AreaLight {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn aim(&self, x: Vec3, u: &LightSample) -> Option<Aim> {
         let (barycentrics, pdf_a) = self.sample_position(u);
         let position = self.at(barycentrics);

@@ -129,7 +129,7 @@ impl Lights {
     }
 
     /// Chooses a light and aims at it from `x`; `None` means no light this way.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn aim(&self, x: Vec3, u: &LightSample) -> Option<Aim> {
         let (index, pmf) = self.choice.as_ref()?.sample(u.choice[0]);

@@ -45,9 +45,6 @@ impl Vertex<'_> {
     }
 }
 
-/// Subpaths may end from this bounce on, sooner than paths that stand alone: each term is made by many pairs of subpaths.
-const FIRST_BOUNCE_OF_ROULETTE: u32 = 3;
-
 /// A subpath on its way.
 #[derive(Clone, Copy, Debug)]
 pub struct Walk {
@@ -152,8 +149,8 @@ impl Walk {
             return false;
         };
         self.throughput *= sample.throughput();
-        if has_roulette && bounce >= FIRST_BOUNCE_OF_ROULETTE {
-            let survival = roulette::survival((self.throughput / self.initial).map(f32::sqrt));
+        if has_roulette && bounce >= roulette::FIRST_BOUNCE {
+            let survival = roulette::survival(self.throughput / self.initial);
             if sampler.next_1d() >= survival {
                 return false;
             }

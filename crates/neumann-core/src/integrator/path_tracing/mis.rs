@@ -82,8 +82,10 @@ impl Integrator for Mis {
                     return;
                 }
 
+                // Draw a direction from the BSDF.
+                let sample = vertex.sample(bsdf_numbers(sampler, bounce), MODE);
+
                 // The next event, aimed at, against running into it.
-                let u = bsdf_numbers(sampler, bounce);
                 if vertex.bsdf.has_density() {
                     let u = light_sample(sampler);
                     if let Some(aimed) = aim_at_light(tracer, &vertex, medium, &u) {
@@ -92,8 +94,8 @@ impl Integrator for Mis {
                     }
                 }
 
-                // Draw a direction from the BSDF, and on to the next vertex.
-                let Some(sample) = vertex.sample(u, MODE) else {
+                // On to the next vertex.
+                let Some(sample) = sample else {
                     return;
                 };
                 throughput *= sample.throughput();

@@ -1,0 +1,136 @@
+//! Matrices of Sobol's sequence, with the direction numbers of Joe and Kuo 2008, "Constructing Sobol' Sequences with
+//! Better Two-Dimensional Projections" (their list `new-joe-kuo-6`).
+
+use super::rng::N_PAIRS;
+
+/// `columns[bit][lane]`: what the bit of an index adds to a point, the bits of the point reversed. The first half of the lanes
+/// are the first dimensions of a block's pairs, the second half their second.
+pub(super) type Columns = [[u32; 2 * N_PAIRS]; 32];
+
+/// Blocks whose dimensions belong to one sequence: the camera's and those of the first two bounces.
+const N_JOINT_BLOCKS: usize = 3;
+
+/// Which pair of dimensions each pair of a block is. Low dimensions are the better spread, so they go to what varies
+/// an image most: position in the pixel, direction of the first bounce, places on the lights.
+const PAIRS: [[usize; N_PAIRS]; N_JOINT_BLOCKS] = [[0, 7, 10, 11], [1, 8, 5, 2], [4, 9, 6, 3]];
+
+const N_DIMENSIONS: usize = 2 * N_PAIRS * N_JOINT_BLOCKS;
+
+/// Primitive polynomial of each dimension, and its first direction numbers.
+const DIMENSIONS: [(u32, &[u32]); N_DIMENSIONS] = [
+    (1, &[]),
+    (3, &[1]),
+    (7, &[1, 3]),
+    (11, &[1, 3, 1]),
+    (13, &[1, 1, 1]),
+    (19, &[1, 1, 3, 3]),
+    (25, &[1, 3, 5, 13]),
+    (37, &[1, 1, 5, 5, 17]),
+    (41, &[1, 1, 5, 5, 5]),
+    (47, &[1, 1, 7, 11, 19]),
+    (55, &[1, 1, 5, 1, 1]),
+    (59, &[1, 1, 1, 3, 11]),
+    (61, &[1, 3, 5, 5, 31]),
+    (67, &[1, 3, 3, 9, 7, 49]),
+    (91, &[1, 1, 1, 15, 21, 21]),
+    (97, &[1, 3, 1, 13, 27, 49]),
+    (103, &[1, 1, 1, 15, 7, 5]),
+    (109, &[1, 3, 1, 15, 13, 25]),
+    (115, &[1, 1, 5, 5, 19, 61]),
+    (131, &[1, 3, 7, 11, 23, 15, 103]),
+    (137, &[1, 3, 7, 13, 13, 15, 69]),
+    (143, &[1, 1, 3, 13, 7, 35, 63]),
+    (145, &[1, 3, 5, 9, 1, 25, 53]),
+    (157, &[1, 3, 1, 13, 9, 35, 107]),
+];
+
+static COLUMNS: [Columns; N_JOINT_BLOCKS] = all_columns();
+
+/// The matrices of a block, if its dimensions belong to the one sequence: the first block of the camera and of
+/// the first bounces does.
+#[inline]
+pub(super) fn columns(block: u32, blocks_per_bounce: u32) -> Option<&'static Columns> {
+    if block.is_multiple_of(blocks_per_bounce) {
+        COLUMNS.get((block / blocks_per_bounce) as usize)
+    } else {
+        None
+    }
+}
+
+const fn all_columns() -> [Columns; N_JOINT_BLOCKS] {
+    let mut all = [[[0; 2 * N_PAIRS]; 32]; N_JOINT_BLOCKS];
+    let mut i = 0;
+    while i < N_DIMENSIONS {
+        let (block, lane) = (i / (2 * N_PAIRS), i % (2 * N_PAIRS));
+        let dimension = 2 * PAIRS[block][lane % N_PAIRS] + lane / N_PAIRS;
+        let numbers = direction_numbers(dimension);
+        let mut bit = 0;
+        while bit < 32 {
+            all[block][bit][lane] = (numbers[bit] << (31 - bit)).reverse_bits();
+            bit += 1;
+        }
+        i += 1;
+    }
+    all
+}
+
+/// `m_k` of Joe and Kuo, by their recurrence (eq. 2.3).
+const fn direction_numbers(dimension: usize) -> [u32; 32] {
+    let (polynomial, first) = DIMENSIONS[dimension];
+    let degree = first.len();
+    let mut m = [1u32; 32];
+    let mut k = 0;
+    while k < 32 {
+        if k < degree {
+            m[k] = first[k];
+        } else if degree > 0 {
+            m[k] = m[k - degree] ^ m[k - degree] << degree;
+            let mut i = 1;
+            while i < degree {
+                if polynomial >> (degree - i) & 1 == 1 {
+                    m[k] ^= m[k - i] << i;
+                }
+                i += 1;
+            }
+        }
+        k += 1;
+    }
+    m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COLUMNS, N_PAIRS};
+
+    #[test]
+    fn the_first_dimensions_are_sobols() {
+        // Points 0 to 7 of the first two dimensions, times 8.
+        let point = |index: u32, lane: usize| {
+            (0..32)
+                .filter(|bit| index >> bit & 1 == 1)
+                .fold(0, |sum, bit| sum ^ COLUMNS[0][bit][lane])
+                .reverse_bits()
+                >> 29
+        };
+        let first: Vec<u32> = (0..8).map(|i| point(i, 0)).collect();
+        let second: Vec<u32> = (0..8).map(|i| point(i, N_PAIRS)).collect();
+        assert_eq!(first, [0, 4, 2, 6, 1, 5, 3, 7]);
+        assert_eq!(second, [0, 4, 6, 2, 5, 1, 3, 7]);
+    }
+
+    #[test]
+    fn every_dimension_is_stratified() {
+        for columns in &COLUMNS {
+            for lane in 0..2 * N_PAIRS {
+                let mut seen = [false; 256];
+                for index in 0..256u32 {
+                    let point = (0..8)
+                        .filter(|bit| index >> bit & 1 == 1)
+                        .fold(0, |sum, bit| sum ^ columns[bit][lane]);
+                    let cell = (point.reverse_bits() >> 24) as usize;
+                    assert!(!std::mem::replace(&mut seen[cell], true));
+                }
+            }
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! Measures how soon the window answers: from the moment an input is sent, on another
 //! thread, until the frame that shows its effect has been presented.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{Event as Input, Key, Modifiers, RawInput};
@@ -8,6 +9,7 @@ use glam::Vec2;
 use winit::event_loop::EventLoopProxy;
 
 use crate::app::App;
+use crate::camera_control::CameraControl;
 use crate::options::{ViewError, ViewOptions};
 use crate::picture::Picture;
 use crate::render_link::RenderLink;
@@ -29,6 +31,12 @@ pub struct Report {
     pub view: [f64; 2],
     /// Camera moved to a frame of the new picture presented.
     pub camera: [f64; 2],
+    /// Camera moved to a frame of the new picture computed, without a window.
+    pub coarse: [f64; 2],
+    /// From the start of the program to the first frame with light in it.
+    pub first_light: f64,
+    /// The part of it in which the graphics adapter was set up.
+    pub adapter: f64,
     /// The interface's own share of a frame: layout, combining layers, upload.
     pub share: [f64; 2],
     /// Combining layers alone.
@@ -48,12 +56,16 @@ impl Report {
         let pair = |[median, p95]: [f64; 2]| format!("{{\"median\":{median:.1},\"p95\":{p95:.1}}}");
         format!(
             "{{\"film\":[{},{}],\"key_to_view_ms\":{},\"camera_to_coarse_frame_ms\":{},\
-             \"interface_share_ms\":{},\"compose_ms\":{},\"iterations_per_second_with_window\":{:.3},\
+             \"camera_to_coarse_frame_computed_ms\":{},\"start_to_first_light_ms\":{:.1},\
+             \"of_it_adapter_ms\":{:.1},\"interface_share_ms\":{},\"compose_ms\":{},\"iterations_per_second_with_window\":{:.3},\
              \"iterations_per_second_without\":{:.3},\"rendering_lost_percent\":{:.1}}}",
             self.size.0,
             self.size.1,
             pair(self.view),
             pair(self.camera),
+            pair(self.coarse),
+            self.first_light,
+            self.adapter,
             pair(self.share),
             pair(self.compose),
             self.with_window,
@@ -68,11 +80,12 @@ impl Report {
 /// # Errors
 /// As [`crate::run`].
 pub fn measure(options: ViewOptions, plan: Plan) -> Result<Report, ViewError> {
+    let began = Instant::now();
     let threads = options.threads;
     let Some(measured) = window::run(options, Some(plan))? else {
         return Err(ViewError::Other("nothing was measured".to_owned()));
     };
-    let mut report = measured.report();
+    let mut report = measured.report(began);
     if let Some(job) = measured.job {
         let mut link = RenderLink::live(threads, || {}).map_err(ViewError::Other)?;
         link.start(job.scene, job.settings, job.stop);
@@ -80,8 +93,30 @@ pub fn measure(options: ViewOptions, plan: Plan) -> Result<Report, ViewError> {
         report.without_window = rate(plan.quiet, || {
             link.read(|p| (p.divisor, p.stats.n_iterations))
         });
+        report.coarse = percentiles(&coarse_frames(&mut link, plan.n_steps));
     }
     Ok(report)
+}
+
+/// Times from a step of the camera to a first frame of what it sees, with rendering under way.
+fn coarse_frames(link: &mut RenderLink, n_steps: u32) -> Vec<Duration> {
+    let Some(mut job) = link.started().cloned() else {
+        return Vec::new();
+    };
+    let mut control = CameraControl::new(job.settings.camera.clone(), job.scene.bounds());
+    (0..n_steps)
+        .map(|i| {
+            std::thread::sleep(Duration::from_millis(280 + u64::from(i * 37 % 101)));
+            control.orbit(Vec2::new(if i % 2 == 0 { 0.05 } else { -0.05 }, 0.0));
+            job.settings.camera = control.camera().clone();
+            let start = Instant::now();
+            link.start(Arc::clone(&job.scene), job.settings.clone(), job.stop);
+            while link.read(|p| p.generation) != link.generation() {
+                std::thread::sleep(Duration::from_micros(200));
+            }
+            start.elapsed()
+        })
+        .collect()
 }
 
 /// Whole iterations per second, between two of their ends.
@@ -114,6 +149,8 @@ enum Awaited {
 /// The measurement under way.
 pub(crate) struct Latencies {
     plan: Plan,
+    first_light: Option<Instant>,
+    pub(crate) adapter: Duration,
     n_sent: u32,
     awaited: Option<Awaited>,
     view: Vec<Duration>,
@@ -130,6 +167,8 @@ impl Latencies {
     pub(crate) fn new(plan: Plan) -> Self {
         Self {
             plan,
+            first_light: None,
+            adapter: Duration::ZERO,
             n_sent: 0,
             awaited: None,
             view: Vec::new(),
@@ -220,6 +259,9 @@ impl Latencies {
 
     /// A frame has been presented.
     pub(crate) fn frame_presented(&mut self, is_current: bool, share: Duration, picture: &Picture) {
+        if self.first_light.is_none() && picture.is_there() {
+            self.first_light = Some(Instant::now());
+        }
         if self.n_sent > 0 {
             self.shares.push(share);
             self.compose
@@ -234,10 +276,15 @@ impl Latencies {
     }
 
     /// The measurement's results.
-    fn report(&self) -> Report {
+    fn report(&self, began: Instant) -> Report {
         Report {
             view: percentiles(&self.view),
             camera: percentiles(&self.camera),
+            coarse: [0.0; 2],
+            first_light: self
+                .first_light
+                .map_or(f64::NAN, |at| milliseconds(at - began)),
+            adapter: milliseconds(self.adapter),
             share: percentiles(&self.shares),
             compose: percentiles(&self.compose),
             with_window: self.with_window,
@@ -247,9 +294,13 @@ impl Latencies {
     }
 }
 
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
 /// Median and 95th percentile, milliseconds.
 fn percentiles(times: &[Duration]) -> [f64; 2] {
-    let mut times: Vec<f64> = times.iter().map(|t| t.as_secs_f64() * 1e3).collect();
+    let mut times: Vec<f64> = times.iter().copied().map(milliseconds).collect();
     times.sort_by(f64::total_cmp);
     [0.5, 0.95].map(|p| {
         let index = (times.len() as f64 * p) as usize;

@@ -126,17 +126,6 @@ impl Handler {
         let ctx = Context::default();
         crate::theme::install(&ctx);
         crate::theme::set_cleared(&ctx);
-        // The device before the workers: a software adapter's own threads are not to be niced.
-        let surface = Surface::new(event_loop, Arc::clone(&window))?;
-        let mut egui = egui_winit::State::new(
-            ctx.clone(),
-            ViewportId::ROOT,
-            &window,
-            Some(window.scale_factor() as f32),
-            window.theme(),
-            Some(surface.max_texture_side()),
-        );
-        egui.init_accesskit(event_loop, &window, self.proxy.clone());
         let is_announced = Arc::new(AtomicBool::new(false));
         let (proxy, flag) = (self.proxy.clone(), Arc::clone(&is_announced));
         let link = RenderLink::live(options.threads, move || {
@@ -152,6 +141,21 @@ impl Handler {
         });
         app.recent = Recent::load();
         app.open_first_scene();
+        // The scene is read while the graphics device gets ready.
+        let start = Instant::now();
+        let surface = Surface::new(event_loop, Arc::clone(&window))?;
+        if let Some(latencies) = &mut self.latencies {
+            latencies.adapter = start.elapsed();
+        }
+        let mut egui = egui_winit::State::new(
+            ctx.clone(),
+            ViewportId::ROOT,
+            &window,
+            Some(window.scale_factor() as f32),
+            window.theme(),
+            Some(surface.max_texture_side()),
+        );
+        egui.init_accesskit(event_loop, &window, self.proxy.clone());
         window.set_visible(true);
         window.request_redraw();
         let is_software = surface.is_software;

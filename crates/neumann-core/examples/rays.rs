@@ -1,14 +1,13 @@
 //! How many rays a second one thread traces through a big tree, beside Embree if a harness wants it.
 //!
-//! `cargo run --release -p neumann-core --example rays -- SUBDIVISIONS [--write FILE] [--rounds N]`
+//! `cargo run --release -p neumann-core --example rays -- FREQUENCY [--write FILE] [--rounds N]`
 //!
-//! The scene is a closed room with seven bumpy spheres of `20 · 4^SUBDIVISIONS` triangles each: 5 makes 143 000,
-//! 7 makes 2.3 million. With `--write` the triangles and rays go to a file that `scripts/peers/embree.cpp` reads, so that
+//! The scene is a closed room with ten bumpy spheres of `20 · FREQUENCY²` triangles each: 32 makes 205 000 in all,
+//! 100 makes two million. With `--write` the triangles and rays go to a file that `scripts/peers/embree.cpp` reads, so that
 //! both programs trace the same rays. Prints one line of JSON: seconds to build, and millions of rays a second of
 //! this thread's processor time for camera rays, bounce rays (cosine-distributed from what the camera
 //! sees, and so in no order) and shadow rays.
 
-use std::collections::HashMap;
 use std::io::Write;
 use std::time::Instant;
 
@@ -26,10 +25,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let at = arguments.iter().position(|a| a == name)?;
         arguments.get(at + 1)
     };
-    let n_subdivisions: u32 = arguments.first().map_or(Ok(5), |a| a.parse())?;
+    let frequency: u32 = arguments.first().map_or(Ok(32), |a| a.parse())?;
     let n_rounds: usize = value_of("--rounds").map_or(Ok(1), |a| a.parse())?;
 
-    let triangles = room_with_spheres(n_subdivisions);
+    let triangles = room_with_spheres(frequency);
     let start = Instant::now();
     let bvh = Bvh::new(&triangles);
     let build_seconds = start.elapsed().as_secs_f64();
@@ -106,7 +105,7 @@ fn rays(bvh: &Bvh, triangles: &[[Vec3; 3]]) -> [Vec<Ray>; 3] {
     [primary, bounce, shadow]
 }
 
-fn room_with_spheres(n_subdivisions: u32) -> Vec<[Vec3; 3]> {
+fn room_with_spheres(frequency: u32) -> Vec<[Vec3; 3]> {
     let mut triangles = Vec::new();
     // The room: a box of six sides, seen from within.
     for axis in 0..3 {
@@ -131,9 +130,12 @@ fn room_with_spheres(n_subdivisions: u32) -> Vec<[Vec3; 3]> {
         [1.8, -2.9, 2.2],
         [-2.2, 1.3, -2.5],
         [2.4, 1.5, -2.2],
+        [4.2, -3.0, 1.6],
+        [-4.3, -3.1, 1.4],
+        [0.1, 2.2, -3.4],
     ];
-    let radii = [1.7, 1.5, 1.4, 0.9, 0.8, 1.3, 1.2];
-    let unit = icosphere(n_subdivisions);
+    let radii = [1.7, 1.5, 1.4, 0.9, 0.8, 1.3, 1.2, 0.8, 0.7, 0.9];
+    let unit = geodesic_sphere(frequency);
     for (center, radius) in centers.into_iter().zip(radii) {
         let bump = |p: Vec3| {
             let waves = (9.0 * p.x).sin() * (11.0 * p.y + 1.0).sin() * (10.0 * p.z + 2.0).sin();
@@ -145,8 +147,8 @@ fn room_with_spheres(n_subdivisions: u32) -> Vec<[Vec3; 3]> {
     triangles
 }
 
-/// Triangles of a sphere of radius 1, split out of an icosahedron.
-fn icosphere(n_subdivisions: u32) -> Vec<[Vec3; 3]> {
+/// A sphere of radius 1: the 20 faces of an icosahedron, each cut into `frequency²` triangles.
+fn geodesic_sphere(frequency: u32) -> Vec<[Vec3; 3]> {
     let golden = 0.5 * (1.0 + 5f32.sqrt());
     let mut corners: Vec<Vec3> = Vec::new();
     for (a, b) in [
@@ -155,46 +157,35 @@ fn icosphere(n_subdivisions: u32) -> Vec<[Vec3; 3]> {
         (1.0, -golden),
         (-1.0, -golden),
     ] {
-        corners.push(Vec3::new(a, b, 0.0).normalize());
-        corners.push(Vec3::new(0.0, a, b).normalize());
-        corners.push(Vec3::new(b, 0.0, a).normalize());
+        corners.push(Vec3::new(a, b, 0.0));
+        corners.push(Vec3::new(0.0, a, b));
+        corners.push(Vec3::new(b, 0.0, a));
     }
-    // Faces are the triples of mutual neighbours.
-    let edge = corners[1..]
-        .iter()
-        .map(|c| c.distance(corners[0]))
-        .fold(f32::INFINITY, f32::min)
-        * 1.01;
-    let near = |i: usize, j: usize| corners[i].distance(corners[j]) < edge;
-    let mut faces = Vec::new();
+    // Corners two apart are neighbours; faces are the triples of neighbours.
+    let near = |i: usize, j: usize| corners[i].distance(corners[j]) < 2.01;
+    let mut triangles = Vec::new();
     for i in 0..12 {
         for j in i + 1..12 {
             for k in j + 1..12 {
                 if near(i, j) && near(j, k) && near(i, k) {
-                    faces.push([i, j, k]);
+                    let [a, b, c] = [corners[i], corners[j], corners[k]];
+                    let at = |u: u32, v: u32| {
+                        let (u, v) = (u as f32 / frequency as f32, v as f32 / frequency as f32);
+                        (a * (1.0 - u - v) + b * u + c * v).normalize()
+                    };
+                    for u in 0..frequency {
+                        for v in 0..frequency - u {
+                            triangles.push([at(u, v), at(u + 1, v), at(u, v + 1)]);
+                            if u + v + 1 < frequency {
+                                triangles.push([at(u + 1, v), at(u + 1, v + 1), at(u, v + 1)]);
+                            }
+                        }
+                    }
                 }
             }
         }
     }
-    for _ in 0..n_subdivisions {
-        let mut middles = HashMap::new();
-        let mut finer = Vec::with_capacity(4 * faces.len());
-        for [i, j, k] in faces {
-            let mut middle = |a: usize, b: usize| {
-                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                    corners.push((corners[a] + corners[b]).normalize());
-                    corners.len() - 1
-                })
-            };
-            let (a, b, c) = (middle(i, j), middle(j, k), middle(k, i));
-            finer.extend([[i, a, c], [a, j, b], [c, b, k], [a, b, c]]);
-        }
-        faces = finer;
-    }
-    faces
-        .into_iter()
-        .map(|face| face.map(|i| corners[i]))
-        .collect()
+    triangles
 }
 
 /// Numbers of triangles and of each kind of ray (u32), then nine floats a triangle and seven (origin, direction,

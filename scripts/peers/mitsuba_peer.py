@@ -1,0 +1,272 @@
+"""neumann beside Mitsuba 3: the same scenes, size, depth and threads, in one run.
+
+    python mitsuba_peer.py NEUMANN SCENES_FOLDER ROUNDS
+
+Prints a table. Scenes are read from their .glb files by the few lines below, which understand what the built-in
+scenes use: Lambert, mirrors, rough metal, smooth glass, emission. Both programs trace paths of at most ten segments;
+speeds are compared without Russian roulette, times to an error with each program's own default for it.
+"""
+
+import json
+import math
+import os
+import statistics
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+import mitsuba as mi
+import numpy as np
+
+mi.set_variant("llvm_ad_rgb")
+import drjit as dr  # noqa: E402  (needs the variant)
+
+# Edge of the picture, pixels: where speed is compared, and where error is.
+SIZE_FOR_SPEED = 512
+SIZE_FOR_ERROR = 256
+SEGMENTS = 10
+TARGET = 1e-3
+# Samples of the reference, whose own error is then some twentieth of the target.
+REFERENCE = 4096
+
+
+def read_glb(path):
+    raw = open(path, "rb").read()
+    (n,) = struct.unpack_from("<I", raw, 12)
+    return json.loads(raw[20 : 20 + n]), raw[28 + n :]
+
+
+def accessor(doc, blob, index):
+    a = doc["accessors"][index]
+    view = doc["bufferViews"][a["bufferView"]]
+    kind = {5126: "<f4", 5125: "<u4", 5123: "<u2", 5121: "u1"}[a["componentType"]]
+    width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[a["type"]]
+    item = np.dtype(kind).itemsize * width
+    start = view.get("byteOffset", 0) + a.get("byteOffset", 0)
+    strides = (view.get("byteStride", item), np.dtype(kind).itemsize)
+    return np.ndarray((a["count"], width), kind, blob, start, strides).copy()
+
+
+def transform(node):
+    if "matrix" in node:
+        return np.array(node["matrix"], float).reshape(4, 4).T
+    m = np.eye(4)
+    x, y, z, w = node.get("rotation", [0, 0, 0, 1])
+    m[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    m[:3, :3] *= np.array(node.get("scale", [1, 1, 1]))
+    m[:3, 3] = node.get("translation", [0, 0, 0])
+    return m
+
+
+def rgb(values):
+    return {"type": "rgb", "value": [float(v) for v in values[:3]]}
+
+
+def bsdf(material):
+    pbr = material.get("pbrMetallicRoughness", {})
+    extensions = material.get("extensions", {})
+    base = pbr.get("baseColorFactor", [1, 1, 1, 1])
+    roughness = pbr.get("roughnessFactor", 1.0)
+    if extensions.get("KHR_materials_transmission", {}).get("transmissionFactor", 0) == 1:
+        ior = extensions.get("KHR_materials_ior", {}).get("ior", 1.5)
+        assert roughness == 0 and min(base[:3]) == 1, "only clear, smooth glass"
+        return {"type": "dielectric", "int_ior": ior, "ext_ior": 1.0}
+    if pbr.get("metallicFactor", 1.0) == 1:
+        # Perfectly reflecting: base colour 1 at every angle.
+        assert min(base[:3]) == 1, "only white metal"
+        if roughness == 0:
+            return {"type": "twosided", "b": {"type": "conductor", "material": "none"}}
+        metal = {"type": "roughconductor", "material": "none", "distribution": "ggx", "alpha": roughness**2}
+        return {"type": "twosided", "b": metal}
+    specular = extensions.get("KHR_materials_specular", {}).get("specularFactor", 1.0)
+    assert specular == 0, f"material {material.get('name')}: only Lambert, metal and glass"
+    return {"type": "twosided", "b": {"type": "diffuse", "reflectance": rgb(base)}}
+
+
+def load(path, size):
+    """The scene for Mitsuba, with its first camera."""
+    doc, blob = read_glb(path)
+    scene = {"type": "scene"}
+    materials = doc.get("materials", [])
+
+    def add_mesh(number, placed):
+        for i, primitive in enumerate(doc["meshes"][number]["primitives"]):
+            attributes = primitive["attributes"]
+            points = accessor(doc, blob, attributes["POSITION"]).astype(float)
+            points = points @ placed[:3, :3].T + placed[:3, 3]
+            faces = accessor(doc, blob, primitive["indices"]).reshape(-1, 3)
+            if np.linalg.det(placed[:3, :3]) < 0:
+                faces = faces[:, ::-1]
+            material = materials[primitive["material"]]
+            properties = mi.Properties()
+            properties["bsdf"] = mi.load_dict(bsdf(material))
+            emission = np.array(material.get("emissiveFactor", [0, 0, 0]), float)
+            strength = material.get("extensions", {}).get("KHR_materials_emissive_strength", {})
+            emission *= strength.get("emissiveStrength", 1.0)
+            if emission.any():
+                properties["emitter"] = mi.load_dict({"type": "area", "radiance": rgb(emission)})
+            has_normals = "NORMAL" in attributes
+            mesh = mi.Mesh(f"m{len(scene)}", len(points), len(faces), has_vertex_normals=has_normals, props=properties)
+            parameters = mi.traverse(mesh)
+            parameters["vertex_positions"] = points.astype(np.float32).ravel()
+            parameters["faces"] = faces.astype(np.uint32).ravel()
+            if has_normals:
+                normals = accessor(doc, blob, attributes["NORMAL"]).astype(float)
+                normals = normals @ np.linalg.inv(placed[:3, :3])
+                normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+                parameters["vertex_normals"] = normals.astype(np.float32).ravel()
+            parameters.update()
+            scene[f"mesh_{len(scene)}_{i}"] = mesh
+
+    def visit(number, parent):
+        node = doc["nodes"][number]
+        placed = parent @ transform(node)
+        if "mesh" in node:
+            add_mesh(node["mesh"], placed)
+        if "camera" in node and "sensor" not in scene:
+            view = doc["cameras"][node["camera"]]["perspective"]
+            eye, forward, up = placed[:3, 3], -placed[:3, 2], placed[:3, 1]
+            aspect = view.get("aspectRatio", 1.0)
+            # Our square picture keeps the file's vertical angle, or its horizontal one if that is smaller.
+            height = math.tan(view["yfov"] / 2)
+            angle = 2 * math.degrees(math.atan(height * min(aspect, 1.0)))
+            scene["sensor"] = {
+                "type": "perspective",
+                "fov": angle,
+                "fov_axis": "smaller",
+                "to_world": mi.ScalarTransform4f().look_at(origin=eye, target=eye + forward, up=up),
+                "film": {
+                    "type": "hdrfilm",
+                    "width": size,
+                    "height": size,
+                    "rfilter": {"type": "box"},
+                    "pixel_format": "rgb",
+                },
+                "sampler": {"type": "independent"},
+            }
+        for child in node.get("children", []):
+            visit(child, placed)
+
+    for root in doc["scenes"][doc.get("scene", 0)]["nodes"]:
+        visit(root, np.eye(4))
+    return mi.load_dict(scene)
+
+
+class Mitsuba:
+    def __init__(self, scene, kind="path", rr_depth=5):
+        self.scene = scene
+        self.integrator = mi.load_dict({"type": kind, "max_depth": SEGMENTS, "rr_depth": rr_depth})
+        self.render(4, 0)
+
+    def render(self, spp, seed):
+        """The image, and the seconds it took; 64 samples at a time at most, as its wavefronts take memory."""
+        image, done, seconds = 0, 0, 0
+        while done < spp:
+            n = min(64, spp - done)
+            start = time.time()
+            part = mi.render(self.scene, integrator=self.integrator, spp=n, seed=seed * 1000 + done)
+            dr.eval(part)
+            dr.sync_thread()
+            seconds += time.time() - start
+            image = image + np.array(part)[..., :3] * n
+            done += n
+        return image / spp, seconds
+
+
+class Neumann:
+    def __init__(self, program, scene, size, method="pt-mis", options=()):
+        self.command = [program, "render", scene, "--integrator", method, "--size", f"{size}x{size}"]
+        self.command += ["--max-bounces", str(SEGMENTS - 1), "--threads", str(os.cpu_count()), "--json", *options]
+        self.render(1, 0)
+
+    def render(self, spp, seed):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "image.exr")
+            command = [*self.command, "--iterations", str(spp), "--seed", str(seed), "-o", path]
+            run = subprocess.run(command, check=True, capture_output=True, text=True)
+            return read_exr(path), json.loads(run.stdout)["ms_per_iteration"] * spp / 1000
+
+
+def read_exr(path):
+    for name, layer in mi.Bitmap(path).split():
+        if name in ("", "<root>", "root"):
+            return np.array(layer.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False), float)
+    raise ValueError(f"{path}: no layer of its own")
+
+
+def rel_mse(image, reference):
+    return float(((image - reference) ** 2 / (reference**2 + 1e-2)).mean())
+
+
+def per_sample(programs, spp, rounds):
+    """Median milliseconds per sample of each, in turn."""
+    times = {name: [] for name in programs}
+    for i in range(rounds):
+        for name, program in programs.items():
+            n = spp.get(name, 16)
+            times[name].append(program.render(n, i + 1)[1] * 1000 / n)
+    return {name: statistics.median(t) for name, t in times.items()}
+
+
+def samples_to_target(program, reference):
+    """Samples per pixel until the error is the target, between two renders that enclose it."""
+    before, n = None, 8
+    while True:
+        error = rel_mse(program.render(n, 3)[0], reference)
+        if error <= TARGET:
+            break
+        before, n = (n, error), n * 2
+        if n > 8192:
+            return math.nan
+    if before is None:
+        return float(n)
+    slope = math.log(error / before[1]) / math.log(n / before[0])
+    return before[0] * math.exp(math.log(TARGET / before[1]) / slope)
+
+
+def row(what, ours, theirs, ratio, unit):
+    print(f"| {what} | {ours:.4g} {unit} | {theirs:.4g} {unit} | {ratio:.2f} |", flush=True)
+
+
+def main():
+    program, folder, rounds = sys.argv[1], sys.argv[2], int(sys.argv[3])
+    scenes = sys.argv[4:] or ["cornell", "cornell-glass", "plates", "many"]
+    print("| | neumann | Mitsuba | neumann's advantage |\n|---|---|---|---|")
+    cornell = os.path.join(folder, "cornell.glb")
+    size = SIZE_FOR_SPEED
+    scene = load(cornell, size)
+    no_roulette = ("--set", "roulette=false")
+    programs = {
+        "path": Mitsuba(scene, rr_depth=1000),
+        "ptracer": Mitsuba(scene, "ptracer", 1000),
+        "pt-mis": Neumann(program, cornell, size, "pt-mis", no_roulette),
+        "lt": Neumann(program, cornell, size, "lt", no_roulette),
+        "bdpt": Neumann(program, cornell, size, "bdpt"),
+        "vcm": Neumann(program, cornell, size, "vcm"),
+    }
+    ms = per_sample(programs, {"path": 32, "ptracer": 32, "bdpt": 6, "vcm": 4}, rounds)
+    unit = "ms/sample"
+    row("`pt-mis` against `path`, cornell", ms["pt-mis"], ms["path"], ms["path"] / ms["pt-mis"], unit)
+    row("`lt` against `ptracer`, cornell", ms["lt"], ms["ptracer"], ms["ptracer"] / ms["lt"], unit)
+    row("`bdpt` against `path`, cornell", ms["bdpt"], ms["path"], ms["path"] / ms["bdpt"], unit)
+    row("`vcm` against `path`, cornell", ms["vcm"], ms["path"], ms["path"] / ms["vcm"], unit)
+    for name in scenes:
+        path = os.path.join(folder, f"{name}.glb")
+        ours = Neumann(program, path, SIZE_FOR_ERROR)
+        theirs = Mitsuba(load(path, SIZE_FOR_ERROR))
+        reference = ours.render(REFERENCE, 4711)[0]
+        check = theirs.render(64, 1)[0].mean() / reference.mean()
+        if abs(check - 1) > 0.02:
+            print(f"{name}: the programs do not render the same scene; means differ by {check:.3f}", file=sys.stderr)
+        ms = per_sample({"ours": ours, "theirs": theirs}, {"ours": 16, "theirs": 32}, rounds)
+        seconds = {k: samples_to_target(p, reference) * ms[k] / 1000 for k, p in [("ours", ours), ("theirs", theirs)]}
+        row(f"time to relMSE {TARGET:g}, {name}", seconds["ours"], seconds["theirs"], seconds["theirs"] / seconds["ours"], "s")
+
+
+main()

@@ -132,14 +132,10 @@ def load(path, size):
         if "camera" in node and "sensor" not in scene:
             view = doc["cameras"][node["camera"]]["perspective"]
             eye, forward, up = placed[:3, 3], -placed[:3, 2], placed[:3, 1]
-            aspect = view.get("aspectRatio", 1.0)
-            # Our square picture keeps the file's vertical angle, or its horizontal one if that is smaller.
-            height = math.tan(view["yfov"] / 2)
-            angle = 2 * math.degrees(math.atan(height * min(aspect, 1.0)))
             scene["sensor"] = {
                 "type": "perspective",
-                "fov": angle,
-                "fov_axis": "smaller",
+                "fov": math.degrees(view["yfov"]),
+                "fov_axis": "y",
                 "to_world": mi.ScalarTransform4f().look_at(origin=eye, target=eye + forward, up=up),
                 "film": {
                     "type": "hdrfilm",

@@ -54,10 +54,10 @@ fn normals_of_built_in_scenes_lean_with_their_facets() {
     for entry in BUILTINS {
         let scene = builtin(entry.name);
         for mesh in scene.geometry().meshes() {
-            let Some(normals) = &mesh.normals else {
+            let Some(normals) = &mesh.arrays.normals else {
                 continue;
             };
-            for triangle in &mesh.triangles {
+            for triangle in &mesh.arrays.triangles {
                 let vertices = triangle.map(|v| v as usize);
                 let [a, b, c] = mesh.corners(vertices);
                 let ng = (b - a).cross(c - a).normalize();
@@ -69,7 +69,7 @@ fn normals_of_built_in_scenes_lean_with_their_facets() {
                         entry.name,
                         mesh.name,
                         cos.acos().to_degrees(),
-                        mesh.positions[v]
+                        mesh.arrays.positions[v]
                     );
                 }
             }

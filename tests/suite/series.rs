@@ -294,7 +294,7 @@ fn lamps_emit_from_their_front() {
         let scene = stage.scene();
         for &method in METHODS {
             let film = |eye: Vec3, target: Vec3| {
-                Setup::seen_by(&scene, looking(eye, target), 16, 16)
+                Setup::seen_by(&scene, looking(eye, target), 32, 32)
                     .by(method)
                     .film(0, 8)
             };

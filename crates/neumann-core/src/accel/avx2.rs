@@ -15,6 +15,7 @@ use std::arch::x86_64::{
 };
 
 use super::Hit;
+use super::instances::Instances;
 use super::traverse::{self, BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
 use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
 use crate::math::Ray;
@@ -33,6 +34,34 @@ pub(super) fn closest(tree: &WideTree, ray: &Ray) -> Option<Hit> {
 pub(super) fn any(tree: &WideTree, ray: &Ray) -> bool {
     // SAFETY: as above.
     unsafe { any_with_features(tree, ray) }
+}
+
+pub(super) fn closest_of_instances(
+    instances: &Instances,
+    ray: &Ray,
+    found: Option<Hit>,
+) -> Option<Hit> {
+    // SAFETY: as above.
+    unsafe { closest_of_instances_with_features(instances, ray, found) }
+}
+
+pub(super) fn any_of_instances(instances: &Instances, ray: &Ray) -> bool {
+    // SAFETY: as above.
+    unsafe { any_of_instances_with_features(instances, ray) }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
+fn closest_of_instances_with_features(
+    instances: &Instances,
+    ray: &Ray,
+    found: Option<Hit>,
+) -> Option<Hit> {
+    traverse::closest_of_instances::<Avx2>(instances, ray, found)
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
+fn any_of_instances_with_features(instances: &Instances, ray: &Ray) -> bool {
+    traverse::any_of_instances::<Avx2>(instances, ray)
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]

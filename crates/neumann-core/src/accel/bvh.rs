@@ -9,15 +9,16 @@ use obvhs::triangle::Triangle;
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
+use super::instances::{Instances, Placement};
 use super::portable::Portable;
 use super::traverse::{self, STACK_SIZE};
 use super::wide::{WIDTH, WideTree};
 use crate::math::Ray;
 
-/// A tree over triangles.
+/// A tree over triangles, and over instances of meshes.
 pub struct Bvh {
     tree: WideTree,
-    n_triangles: usize,
+    instances: Option<Box<Instances>>,
     kernel: Kernel,
 }
 
@@ -42,7 +43,7 @@ enum Kernel {
 
 impl std::fmt::Debug for Bvh {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Bvh({} triangles)", self.n_triangles)
+        write!(f, "Bvh({} bytes)", self.n_bytes())
     }
 }
 
@@ -50,36 +51,21 @@ impl Bvh {
     /// A tree over triangles with finite corners.
     #[must_use]
     pub fn new(triangles: &[[Vec3; 3]]) -> Self {
-        let for_builder: Vec<Triangle> = triangles
-            .iter()
-            .map(|t| Triangle {
-                v0: t[0].into(),
-                v1: t[1].into(),
-                v2: t[2].into(),
-            })
-            .collect();
-        // Reinsertion of half the nodes makes nearly the best tree at half its time; big scenes
-        // get less of it, so that something is on screen soon.
-        let params = BvhBuildParams {
-            pre_split: false,
-            reinsertion_batch_ratio: if triangles.len() > 500_000 { 0.2 } else { 0.5 },
-            post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
-            max_prims_per_leaf: 1,
-            ..BvhBuildParams::medium_build()
-        };
-        let tree = if for_builder.is_empty() {
-            WideTree::default()
-        } else {
-            let binary = build_bvh2_from_tris(&for_builder, params, &mut Duration::default());
-            WideTree::new(&binary, triangles)
-        };
-        debug_assert!(
-            tree.depth * (WIDTH - 1) < STACK_SIZE,
-            "the stack has room for the deepest way down"
-        );
+        Self::with_instances(triangles, &[], &[])
+    }
+
+    /// A tree over triangles that stand in the world themselves, whose indices come first, and over meshes
+    /// (`meshes[mesh][triangle]`, in their own space) that stand there as placed.
+    #[must_use]
+    pub fn with_instances(
+        triangles: &[[Vec3; 3]],
+        meshes: &[Vec<[Vec3; 3]>],
+        placements: &[Placement],
+    ) -> Self {
         Self {
-            tree,
-            n_triangles: triangles.len(),
+            tree: tree_of_triangles(triangles),
+            instances: (!placements.is_empty())
+                .then(|| Box::new(Instances::new(meshes, placements))),
             kernel: Kernel::best(),
         }
     }
@@ -88,13 +74,22 @@ impl Bvh {
     #[inline]
     #[must_use]
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        if self.n_triangles == 0 {
-            return None;
-        }
-        match self.kernel {
-            Kernel::Portable => closest_portable(&self.tree, ray),
-            #[cfg(target_arch = "x86_64")]
-            Kernel::Avx2 => avx2::closest(&self.tree, ray),
+        let hit = if self.tree.nodes.is_empty() {
+            None
+        } else {
+            match self.kernel {
+                Kernel::Portable => closest_portable(&self.tree, ray),
+                #[cfg(target_arch = "x86_64")]
+                Kernel::Avx2 => avx2::closest(&self.tree, ray),
+            }
+        };
+        match &self.instances {
+            None => hit,
+            Some(instances) => match self.kernel {
+                Kernel::Portable => traverse::closest_of_instances::<Portable>(instances, ray, hit),
+                #[cfg(target_arch = "x86_64")]
+                Kernel::Avx2 => avx2::closest_of_instances(instances, ray, hit),
+            },
         }
     }
 
@@ -102,15 +97,91 @@ impl Bvh {
     #[inline]
     #[must_use]
     pub fn is_occluded(&self, ray: &Ray) -> bool {
-        if self.n_triangles == 0 {
-            return false;
-        }
-        match self.kernel {
-            Kernel::Portable => any_portable(&self.tree, ray),
-            #[cfg(target_arch = "x86_64")]
-            Kernel::Avx2 => avx2::any(&self.tree, ray),
+        let is_occluded = !self.tree.nodes.is_empty()
+            && match self.kernel {
+                Kernel::Portable => any_portable(&self.tree, ray),
+                #[cfg(target_arch = "x86_64")]
+                Kernel::Avx2 => avx2::any(&self.tree, ray),
+            };
+        match &self.instances {
+            None => is_occluded,
+            Some(_) if is_occluded => true,
+            Some(instances) => match self.kernel {
+                Kernel::Portable => traverse::any_of_instances::<Portable>(instances, ray),
+                #[cfg(target_arch = "x86_64")]
+                Kernel::Avx2 => avx2::any_of_instances(instances, ray),
+            },
         }
     }
+
+    /// Memory that it takes, bytes.
+    #[must_use]
+    pub fn n_bytes(&self) -> usize {
+        self.tree.n_bytes() + self.instances.as_ref().map_or(0, |i| i.n_bytes())
+    }
+}
+
+impl Hit {
+    /// What stands for no hit before `t`.
+    #[inline]
+    pub(super) fn none_before(t: f32) -> Self {
+        Self {
+            t,
+            triangle: u32::MAX,
+            barycentrics: [0.0; 2],
+        }
+    }
+
+    /// True unless it stands for no hit.
+    #[inline]
+    pub(super) fn is_there(&self) -> bool {
+        self.triangle != u32::MAX
+    }
+
+    /// True if a ray has this one rather than the other: it is nearer, or as near and of a lower index.
+    #[inline]
+    pub(super) fn is_before(&self, other: &Self) -> bool {
+        self.t < other.t || (self.t == other.t && self.triangle < other.triangle)
+    }
+}
+
+/// How trees are built over `n` items.
+///
+/// Reinsertion of half the nodes makes nearly the best tree at half its time; big scenes
+/// get less of it, so that something is on screen soon.
+pub(super) fn build_params(n: usize) -> BvhBuildParams {
+    BvhBuildParams {
+        pre_split: false,
+        reinsertion_batch_ratio: if n > 500_000 { 0.2 } else { 0.5 },
+        post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
+        max_prims_per_leaf: 1,
+        ..BvhBuildParams::medium_build()
+    }
+}
+
+/// A wide tree over triangles with finite corners.
+pub(super) fn tree_of_triangles(triangles: &[[Vec3; 3]]) -> WideTree {
+    if triangles.is_empty() {
+        return WideTree::default();
+    }
+    let binary = {
+        let for_builder: Vec<Triangle> = triangles
+            .iter()
+            .map(|t| Triangle {
+                v0: t[0].into(),
+                v1: t[1].into(),
+                v2: t[2].into(),
+            })
+            .collect();
+        let params = build_params(triangles.len());
+        build_bvh2_from_tris(&for_builder, params, &mut Duration::default())
+    };
+    let tree = WideTree::of_triangles(&binary, triangles);
+    debug_assert!(
+        tree.depth * (WIDTH - 1) < STACK_SIZE,
+        "the stack has room for the deepest way down"
+    );
+    tree
 }
 
 impl Kernel {
@@ -139,10 +210,10 @@ fn any_portable(tree: &WideTree, ray: &Ray) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
+    use glam::{Affine3A, Quat, Vec3};
     use rayon::prelude::*;
 
-    use super::{Bvh, Kernel};
+    use super::{Bvh, Kernel, Placement};
     use crate::math::Ray;
     use crate::sampling::{Sampler, warp};
 
@@ -253,6 +324,61 @@ mod tests {
         let mut triangles = vec![t; 9];
         triangles[0] = t.map(|v| v - Vec3::Z);
         assert_eq!(Bvh::new(&triangles).closest_hit(&ray).unwrap().triangle, 1);
+    }
+
+    #[test]
+    fn instances_are_hit_where_their_triangles_would_be() {
+        let mesh = sphere(12, 0.5);
+        let ground = vec![[
+            Vec3::new(-9.0, -2.0, -9.0),
+            Vec3::new(0.0, -2.0, 9.0),
+            Vec3::new(9.0, -2.0, -9.0),
+        ]];
+        let mut flat = ground.clone();
+        let mut placements = Vec::new();
+        for i in 0..40 {
+            let mut sampler = Sampler::new(8, i, 0);
+            let world_from_mesh = Affine3A::from_scale_rotation_translation(
+                // One in four is mirrored.
+                Vec3::new(if i % 4 == 0 { -0.7 } else { 1.2 }, 0.8, 1.0),
+                Quat::from_axis_angle(warp::uniform_sphere(sampler.next_2d()), 2.0),
+                warp::uniform_sphere(sampler.next_2d()) * 3.0,
+            );
+            placements.push(Placement {
+                mesh: 0,
+                world_from_mesh,
+                first_triangle: flat.len() as u32,
+            });
+            flat.extend(
+                mesh.iter()
+                    .map(|t| t.map(|v| world_from_mesh.transform_point3(v))),
+            );
+        }
+        let mut instanced = Bvh::with_instances(&ground, &[mesh], &placements);
+        let flattened = Bvh::new(&flat);
+        for kernel in [Kernel::best(), Kernel::Portable] {
+            instanced.kernel = kernel;
+            let mut n_hits = 0;
+            for i in 0..20_000 {
+                let mut sampler = Sampler::new(9, i, 0);
+                let origin = warp::uniform_sphere(sampler.next_2d()) * 5.0;
+                let target = warp::uniform_sphere(sampler.next_2d()) * 3.0;
+                let ray = Ray::new(origin, (target - origin).normalize());
+                let [a, b] = [&instanced, &flattened].map(|bvh| bvh.closest_hit(&ray));
+                // Rounding may decide otherwise at a silhouette, and among neighbours at an edge.
+                if let (Some(a), Some(b)) = (a, b) {
+                    n_hits += 1;
+                    let apart = (a.t - b.t).abs();
+                    assert!(
+                        apart < 1e-4 || a.triangle != b.triangle,
+                        "ray {i}: {a:?} {b:?}"
+                    );
+                }
+                assert_eq!(instanced.is_occluded(&ray), a.is_some(), "ray {i}");
+                n_hits -= i32::from(a.is_some() != b.is_some()) * 1000;
+            }
+            assert!(n_hits > 10_000, "{n_hits} agree");
+        }
     }
 
     #[test]

@@ -8,8 +8,10 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod bvh;
+mod instances;
 mod portable;
 mod traverse;
 mod wide;
 
 pub use bvh::{Bvh, Hit};
+pub use instances::Placement;

@@ -12,6 +12,7 @@
 use std::mem::MaybeUninit;
 
 use super::Hit;
+use super::instances::Instances;
 use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
 use crate::math::Ray;
 
@@ -69,21 +70,21 @@ pub(super) trait Kernel {
     fn prefetch(tree: &WideTree, child: u32);
 }
 
-/// The first triangle that the ray meets.
+/// Walks the nodes whose boxes the ray meets before `end`, nearest first; `visit` is told the index of each leaf and may move
+/// the end nearer.
 #[inline(always)]
-pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &Ray) -> Option<Hit> {
-    let prepared = Prepared::new(ray);
-    let mut best = Hit {
-        t: ray.t_max,
-        triangle: u32::MAX,
-        barycentrics: [0.0; 2],
-    };
+fn walk<K: Kernel>(
+    tree: &WideTree,
+    prepared: &Prepared,
+    mut end: f32,
+    mut visit: impl FnMut(usize, &mut f32),
+) {
     let mut stack = Stack::new();
     let mut current = 0u32;
     loop {
         if current & LEAF == 0 {
             let node = &tree.nodes[current as usize];
-            let BoxHits { mut mask, near } = K::meet_boxes(node, &prepared, best.t);
+            let BoxHits { mut mask, near } = K::meet_boxes(node, prepared, end);
             if mask != 0 {
                 let next = |mask: &mut u32| {
                     let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
@@ -104,27 +105,13 @@ pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &Ray) -> Option<Hit> {
                 continue;
             }
         } else {
-            let leaf = &tree.leaves[(current & !LEAF) as usize];
-            let lanes = K::meet_triangles(leaf, &prepared, best.t);
-            let mut mask = lanes.mask;
-            while mask != 0 {
-                let lane = mask.trailing_zeros() as usize & (LEAF_SIZE - 1);
-                mask &= mask - 1;
-                let (t, triangle) = (lanes.t[lane], leaf.triangles[lane]);
-                if t < best.t || (t == best.t && triangle < best.triangle) {
-                    best = Hit {
-                        t,
-                        triangle,
-                        barycentrics: [lanes.v[lane], lanes.w[lane]],
-                    };
-                }
-            }
+            visit((current & !LEAF) as usize, &mut end);
         }
         loop {
             let Some(entry) = stack.pop() else {
-                return (best.triangle != u32::MAX).then_some(best);
+                return;
             };
-            if f32::from_bits((entry >> 32) as u32) <= best.t {
+            if f32::from_bits((entry >> 32) as u32) <= end {
                 current = entry as u32;
                 break;
             }
@@ -132,35 +119,103 @@ pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &Ray) -> Option<Hit> {
     }
 }
 
-/// True if the ray meets any triangle before its end.
+/// Walks the nodes whose boxes the ray meets, in any order, until `visit` says true of a leaf; true if it did.
 #[inline(always)]
-pub(super) fn any<K: Kernel>(tree: &WideTree, ray: &Ray) -> bool {
-    let prepared = Prepared::new(ray);
+fn walk_until<K: Kernel>(
+    tree: &WideTree,
+    prepared: &Prepared,
+    end: f32,
+    mut visit: impl FnMut(usize) -> bool,
+) -> bool {
     let mut stack = Stack::new();
     let mut current = 0u32;
     loop {
         if current & LEAF == 0 {
             let node = &tree.nodes[current as usize];
-            let mut mask = K::meet_boxes(node, &prepared, ray.t_max).mask;
+            let mut mask = K::meet_boxes(node, prepared, end).mask;
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
                 mask &= mask - 1;
                 K::prefetch(tree, node.children[lane]);
                 stack.push(u64::from(node.children[lane]));
             }
-        } else {
-            let leaf = &tree.leaves[(current & !LEAF) as usize];
-            let lanes = K::meet_triangles(leaf, &prepared, ray.t_max);
-            // A hit at the very end does not count.
-            if (0..LEAF_SIZE).any(|lane| lanes.mask >> lane & 1 != 0 && lanes.t[lane] < ray.t_max) {
-                return true;
-            }
+        } else if visit((current & !LEAF) as usize) {
+            return true;
         }
         let Some(entry) = stack.pop() else {
             return false;
         };
         current = entry as u32;
     }
+}
+
+/// The first triangle that the ray meets.
+#[inline(always)]
+pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &Ray) -> Option<Hit> {
+    let prepared = Prepared::new(ray);
+    let mut best = Hit::none_before(ray.t_max);
+    walk::<K>(tree, &prepared, ray.t_max, |leaf, end| {
+        let leaf = &tree.leaves[leaf];
+        let lanes = K::meet_triangles(leaf, &prepared, *end);
+        let mut mask = lanes.mask;
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize & (LEAF_SIZE - 1);
+            mask &= mask - 1;
+            let hit = Hit {
+                t: lanes.t[lane],
+                triangle: leaf.triangles[lane],
+                barycentrics: [lanes.v[lane], lanes.w[lane]],
+            };
+            if hit.is_before(&best) {
+                best = hit;
+                *end = hit.t;
+            }
+        }
+    });
+    best.is_there().then_some(best)
+}
+
+/// True if the ray meets any triangle before its end.
+#[inline(always)]
+pub(super) fn any<K: Kernel>(tree: &WideTree, ray: &Ray) -> bool {
+    let prepared = Prepared::new(ray);
+    walk_until::<K>(tree, &prepared, ray.t_max, |leaf| {
+        let lanes = K::meet_triangles(&tree.leaves[leaf], &prepared, ray.t_max);
+        // A hit at the very end does not count.
+        (0..LEAF_SIZE).any(|lane| lanes.mask >> lane & 1 != 0 && lanes.t[lane] < ray.t_max)
+    })
+}
+
+/// The first triangle of an instance that the ray meets, if it is before `found`.
+#[inline(always)]
+pub(super) fn closest_of_instances<K: Kernel>(
+    instances: &Instances,
+    ray: &Ray,
+    found: Option<Hit>,
+) -> Option<Hit> {
+    let mut best = found.unwrap_or(Hit::none_before(ray.t_max));
+    walk::<K>(&instances.tree, &Prepared::new(ray), best.t, |leaf, end| {
+        let instance = &instances.instances[leaf];
+        let inside = instance.ray_inside(ray, *end);
+        if let Some(mut hit) = closest::<K>(&instances.meshes[instance.mesh], &inside) {
+            hit.triangle += instance.first_triangle;
+            if hit.is_before(&best) {
+                best = hit;
+                *end = hit.t;
+            }
+        }
+    });
+    best.is_there().then_some(best)
+}
+
+/// True if the ray meets any triangle of an instance before its end.
+#[inline(always)]
+pub(super) fn any_of_instances<K: Kernel>(instances: &Instances, ray: &Ray) -> bool {
+    walk_until::<K>(&instances.tree, &Prepared::new(ray), ray.t_max, |leaf| {
+        let instance = &instances.instances[leaf];
+        let inside = instance.ray_inside(ray, ray.t_max);
+        any::<K>(&instances.meshes[instance.mesh], &inside)
+    })
 }
 
 impl Prepared {

@@ -85,23 +85,46 @@ struct Plan {
 }
 
 impl WideTree {
-    /// Collapses a binary tree with one triangle in each leaf.
-    pub(super) fn new(binary: &Bvh2, triangles: &[[Vec3; 3]]) -> Self {
+    /// Collapses a binary tree with one triangle in each leaf; leaves of the wide tree have four.
+    pub(super) fn of_triangles(binary: &Bvh2, triangles: &[[Vec3; 3]]) -> Self {
+        let mut leaves = Vec::with_capacity(triangles.len().div_ceil(2));
+        let mut tree = Self::new(binary, LEAF_SIZE, |members| {
+            leaves.push(Leaf::new(members, triangles));
+            leaves.len() as u32 - 1
+        });
+        tree.leaves = leaves;
+        tree
+    }
+
+    /// Collapses a binary tree with one item in each leaf; those of the wide tree stand for the items themselves.
+    pub(super) fn of_items(binary: &Bvh2) -> Self {
+        Self::new(binary, 1, |members| members[0])
+    }
+
+    /// Collapses a binary tree. `leaf` is told the items of each leaf, `leaf_size` at most, and yields its index.
+    fn new(binary: &Bvh2, leaf_size: usize, mut leaf: impl FnMut(&[u32]) -> u32) -> Self {
         if binary.nodes.is_empty() {
             return Self::default();
         }
-        let plans = plans(binary);
+        let plans = plans(binary, leaf_size);
         let mut tree = Self::default();
+        let mut members = Vec::with_capacity(leaf_size);
+        let mut leaf_of = |source: usize| {
+            members.clear();
+            collect(binary, source, &mut members);
+            LEAF | leaf(&members)
+        };
         if let Choice::Leaf = plans[0].choice[0] {
             let mut root = EMPTY_NODE;
-            tree.set_child(&mut root, 0, 0, binary);
-            root.children[0] = tree.push_leaf(binary, 0, triangles);
+            set_child(&mut root, 0, 0, binary);
+            root.children[0] = leaf_of(0);
             tree.nodes.push(root);
             tree.depth = 1;
             return tree;
         }
         // Depth first, so that a node's children lie near it.
         let mut work = vec![(0usize, None, 1usize)];
+        let mut roots = Vec::with_capacity(WIDTH);
         while let Some((source, parent, depth)) = work.pop() {
             tree.depth = tree.depth.max(depth);
             let index = tree.nodes.len() as u32;
@@ -112,13 +135,13 @@ impl WideTree {
             let mut node = EMPTY_NODE;
             let first = binary.nodes[source].first_index as usize;
             let split = plans[source].split as usize;
-            let mut roots = Vec::with_capacity(WIDTH);
+            roots.clear();
             gather(binary, &plans, first, split, &mut roots);
             gather(binary, &plans, first + 1, WIDTH - split, &mut roots);
             for (lane, root) in roots.iter().enumerate() {
-                tree.set_child(&mut node, lane, *root, binary);
+                set_child(&mut node, lane, *root, binary);
                 if let Choice::Leaf = plans[*root].choice[0] {
-                    node.children[lane] = tree.push_leaf(binary, *root, triangles);
+                    node.children[lane] = leaf_of(*root);
                 } else {
                     work.push((*root, Some((index, lane as u32)), depth + 1));
                 }
@@ -128,18 +151,37 @@ impl WideTree {
         tree
     }
 
-    fn set_child(&self, node: &mut Node, lane: usize, source: usize, binary: &Bvh2) {
-        let bounds = binary.nodes[source].aabb();
-        for axis in 0..3 {
-            node.bounds[2 * axis][lane] = bounds.min[axis];
-            node.bounds[2 * axis + 1][lane] = bounds.max[axis];
-        }
+    /// The box around everything: minimum and maximum.
+    pub(super) fn bounds(&self) -> [Vec3; 2] {
+        let side = |side: usize, pick: fn(f32, f32) -> f32, start: f32| {
+            Vec3::from_array([0, 1, 2].map(|axis| {
+                let rows = self.nodes.first().map(|root| root.bounds[2 * axis + side]);
+                rows.into_iter().flatten().fold(start, pick)
+            }))
+        };
+        [
+            side(0, f32::min, f32::INFINITY),
+            side(1, f32::max, f32::NEG_INFINITY),
+        ]
     }
 
-    fn push_leaf(&mut self, binary: &Bvh2, source: usize, triangles: &[[Vec3; 3]]) -> u32 {
-        let mut members = Vec::with_capacity(LEAF_SIZE);
-        collect(binary, source, &mut members);
-        let mut leaf = Leaf {
+    /// Memory that it takes, bytes.
+    pub(super) fn n_bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.leaves.as_slice())
+    }
+}
+
+fn set_child(node: &mut Node, lane: usize, source: usize, binary: &Bvh2) {
+    let bounds = binary.nodes[source].aabb();
+    for axis in 0..3 {
+        node.bounds[2 * axis][lane] = bounds.min[axis];
+        node.bounds[2 * axis + 1][lane] = bounds.max[axis];
+    }
+}
+
+impl Leaf {
+    fn new(members: &[u32], triangles: &[[Vec3; 3]]) -> Self {
+        let mut leaf = Self {
             corners: [[[0.0; LEAF_SIZE]; 3]; 3],
             triangles: [0; LEAF_SIZE],
         };
@@ -152,13 +194,12 @@ impl WideTree {
                 }
             }
         }
-        self.leaves.push(leaf);
-        LEAF | (self.leaves.len() as u32 - 1)
+        leaf
     }
 }
 
 /// Plans for all nodes, children before parents.
-fn plans(binary: &Bvh2) -> Vec<Plan> {
+fn plans(binary: &Bvh2, leaf_size: usize) -> Vec<Plan> {
     let mut plans = vec![
         Plan {
             cost: [0.0; WIDTH - 1],
@@ -189,13 +230,13 @@ fn plans(binary: &Bvh2) -> Vec<Plan> {
             }
         } else {
             let first = node.first_index as usize;
-            plan(&plans[first], &plans[first + 1], area)
+            plan(&plans[first], &plans[first + 1], area, leaf_size)
         };
     }
     plans
 }
 
-fn plan(left: &Plan, right: &Plan, area: f32) -> Plan {
+fn plan(left: &Plan, right: &Plan, area: f32, leaf_size: usize) -> Plan {
     // The cheapest split of j roots between both children.
     let split = |j: usize| {
         (1..j)
@@ -206,7 +247,7 @@ fn plan(left: &Plan, right: &Plan, area: f32) -> Plan {
     let n_triangles = left.n_triangles + right.n_triangles;
     let (children_cost, children_split) = split(WIDTH);
     let as_node = children_cost + area * NODE_COST;
-    let as_leaf = if n_triangles as usize <= LEAF_SIZE {
+    let as_leaf = if n_triangles as usize <= leaf_size {
         area * LEAF_COST
     } else {
         f32::INFINITY

@@ -1,14 +1,21 @@
 //! From a description to world-space geometry; whatever cannot be rendered is
 //! left out with a warning that names it.
 
-use glam::{Mat3, Vec3, Vec4};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3, Vec4};
 
 use super::description::{InstanceDescription, MeshDescription, SceneDescription};
-use super::geometry::{Facet, Geometry, PlacedMesh};
-use crate::accel::Bvh;
+use super::geometry::{Facet, Geometry, MeshArrays, MeshPlacement, PlacedMesh};
+use crate::accel::{Bvh, Placement};
 
 /// Coordinates beyond this overflow in single precision when squared and multiplied.
 const LARGEST_COORDINATE: f32 = 1e9;
+
+/// A mesh is kept once, with a tree of its own, where putting all its copies into the one tree would take so many triangles
+/// more; one tree is faster.
+const LEAST_SHARED_TRIANGLES: usize = 200_000;
 
 /// Places all meshes in the world and builds the tree over them.
 pub(super) fn geometry(
@@ -16,40 +23,211 @@ pub(super) fn geometry(
     default_material: usize,
     warnings: &mut Vec<String>,
 ) -> Geometry {
-    let mut meshes = Vec::new();
-    let mut facets = Vec::new();
-    let mut corners: Vec<[Vec3; 3]> = Vec::new();
+    let mut builder = Builder {
+        description,
+        default_material,
+        warnings,
+        meshes: Vec::new(),
+        facets: Vec::new(),
+        corners: Vec::new(),
+    };
+    let (shared, single): (Vec<_>, Vec<_>) = {
+        let is_shared = meshes_to_share(description);
+        let instances = description.instances.iter();
+        instances.partition(|i| is_shared.get(i.mesh).copied().unwrap_or(false))
+    };
+    for instance in single {
+        builder.add(instance);
+    }
+    builder.finish(&shared)
+}
+
+/// Which meshes are kept once for all their instances. Lights are not: each of their triangles is one of its own.
+fn meshes_to_share(description: &SceneDescription) -> Vec<bool> {
+    let mut n_uses = vec![0usize; description.meshes.len()];
     for instance in &description.instances {
-        let Some(mesh) = description.meshes.get(instance.mesh) else {
-            continue;
-        };
-        let Some(mut placed) = place(instance, mesh, default_material, warnings) else {
-            continue;
-        };
-        placed.first_triangle = corners.len() as u32;
-        let number = meshes.len() as u32;
-        for triangle in &placed.triangles {
-            let of_triangle = placed.corners(triangle.map(|v| v as usize));
-            corners.push(of_triangle);
-            facets.push(Facet::new(&of_triangle, number));
+        if let Some(n) = n_uses.get_mut(instance.mesh) {
+            *n += 1;
         }
-        meshes.push(placed);
     }
-    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for corner in corners.iter().flatten() {
-        min = min.min(*corner);
-        max = max.max(*corner);
+    let is_light = |mesh: &MeshDescription| {
+        let material = mesh.material.and_then(|m| description.materials.get(m));
+        material.is_some_and(|m| !m.emission.is_black())
+    };
+    let worth_it = |(mesh, n): (&MeshDescription, usize)| {
+        n.saturating_sub(1).saturating_mul(mesh.triangles.len()) >= LEAST_SHARED_TRIANGLES
+            && !is_light(mesh)
+    };
+    description
+        .meshes
+        .iter()
+        .zip(n_uses)
+        .map(worth_it)
+        .collect()
+}
+
+/// Geometry on its way.
+struct Builder<'a> {
+    description: &'a SceneDescription,
+    default_material: usize,
+    warnings: &'a mut Vec<String>,
+    meshes: Vec<PlacedMesh>,
+    facets: Vec<Facet>,
+    corners: Vec<[Vec3; 3]>,
+}
+
+impl Builder<'_> {
+    /// Puts a mesh into the world, triangle by triangle.
+    fn add(&mut self, instance: &InstanceDescription) {
+        let Some(mesh) = self.description.meshes.get(instance.mesh) else {
+            return;
+        };
+        let Some(mut placed) = place(instance, mesh, self.default_material, self.warnings) else {
+            return;
+        };
+        placed.first_triangle = self.corners.len() as u32;
+        let number = self.meshes.len() as u32;
+        for triangle in &placed.arrays.triangles {
+            let of_triangle = placed.corners(triangle.map(|v| v as usize));
+            self.corners.push(of_triangle);
+            self.facets.push(Facet::new(&of_triangle, number));
+        }
+        self.meshes.push(placed);
     }
-    if corners.is_empty() {
-        (min, max) = (Vec3::NEG_ONE, Vec3::ONE);
+
+    /// Adds the instances of shared meshes, and builds the trees.
+    fn finish(mut self, shared: &[&InstanceDescription]) -> Geometry {
+        let first_instance = self.meshes.len();
+        let mut n_triangles = self.corners.len();
+        let (mut min, mut max) = bounds_of(self.corners.iter().flatten().copied());
+        // A mesh and its mirror image, whose triangles are wound the other way, are two.
+        let mut numbers = HashMap::new();
+        let mut arrays: Vec<Option<Arc<MeshArrays>>> = Vec::new();
+        let mut placements = Vec::new();
+        for instance in shared {
+            let placement = MeshPlacement::new(instance.world_from_mesh);
+            let mesh = &self.description.meshes[instance.mesh];
+            if !is_sound_transform(&placement) {
+                self.warnings.push(format!(
+                    "node '{}': its transform is not finite, flat, or goes beyond 1e9 m; left out",
+                    instance.name
+                ));
+                continue;
+            }
+            let number = *numbers
+                .entry((instance.mesh, placement.is_mirrored))
+                .or_insert_with(|| {
+                    let shared = share(mesh, placement.is_mirrored, self.warnings);
+                    arrays.push(shared.map(Arc::new));
+                    arrays.len() - 1
+                });
+            let Some(shared) = &arrays[number] else {
+                continue;
+            };
+            if n_triangles + shared.triangles.len() >= u32::MAX as usize {
+                self.warnings.push(format!(
+                    "node '{}': more than {} triangles; left out",
+                    instance.name,
+                    u32::MAX
+                ));
+                continue;
+            }
+            let (low, high) = bounds_of(shared.positions.iter().copied());
+            let box_corners = (0..8).map(|i| {
+                let pick = |bit, low, high| if i & bit == 0 { low } else { high };
+                placement.world_from_mesh.transform_point3(Vec3::new(
+                    pick(1, low.x, high.x),
+                    pick(2, low.y, high.y),
+                    pick(4, low.z, high.z),
+                ))
+            });
+            let (low, high) = bounds_of(box_corners);
+            (min, max) = (min.min(low), max.max(high));
+            placements.push(Placement {
+                mesh: number,
+                world_from_mesh: placement.world_from_mesh,
+                first_triangle: n_triangles as u32,
+            });
+            self.meshes.push(PlacedMesh {
+                name: name_of(instance, mesh).clone(),
+                first_triangle: n_triangles as u32,
+                material: mesh.material.unwrap_or(self.default_material) as u32,
+                arrays: Arc::clone(shared),
+                placement: Some(Box::new(placement)),
+            });
+            n_triangles += shared.triangles.len();
+        }
+        if n_triangles == 0 {
+            (min, max) = (Vec3::NEG_ONE, Vec3::ONE);
+        }
+        let mesh_corners: Vec<Vec<[Vec3; 3]>> = arrays
+            .iter()
+            .map(|arrays| {
+                let corners = |a: &Arc<MeshArrays>| {
+                    let at = |t: &[u32; 3]| t.map(|v| a.positions[v as usize]);
+                    a.triangles.iter().map(at).collect()
+                };
+                arrays.as_ref().map_or_else(Vec::new, corners)
+            })
+            .collect();
+        Geometry {
+            bvh: Bvh::with_instances(&self.corners, &mesh_corners, &placements),
+            meshes: self.meshes,
+            facets: self.facets,
+            first_instance,
+            n_triangles,
+            min,
+            max,
+        }
     }
-    Geometry {
-        bvh: Bvh::new(&corners),
-        meshes,
-        facets,
-        min,
-        max,
+}
+
+fn bounds_of(points: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {
+    points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), p| {
+        (min.min(p), max.max(p))
+    })
+}
+
+fn is_sound_transform(placement: &MeshPlacement) -> bool {
+    let inverse = placement.world_from_mesh.inverse();
+    placement.world_from_mesh.is_finite()
+        && inverse.is_finite()
+        && placement.world_from_mesh.translation.abs().max_element() <= LARGEST_COORDINATE
+}
+
+fn name_of<'a>(instance: &'a InstanceDescription, mesh: &'a MeshDescription) -> &'a String {
+    if instance.name.is_empty() {
+        &mesh.name
+    } else {
+        &instance.name
     }
+}
+
+/// A mesh in its own space, for all its instances; `None` if nothing of it can be rendered.
+fn share(
+    mesh: &MeshDescription,
+    is_mirrored: bool,
+    warnings: &mut Vec<String>,
+) -> Option<MeshArrays> {
+    let triangles = sound_triangles(&mesh.name, mesh, &mesh.positions, is_mirrored, warnings);
+    if triangles.is_empty() {
+        return None;
+    }
+    let n = mesh.positions.len();
+    Some(MeshArrays {
+        triangles,
+        positions: mesh.positions.clone(),
+        normals: mesh.normals.clone().filter(|v| v.len() == n),
+        tangents: mesh.tangents.clone().filter(|v| v.len() == n),
+        uv_sets: sound_uv_sets(mesh),
+        colors: mesh.colors.clone().filter(|v| v.len() == n),
+    })
+}
+
+fn sound_uv_sets(mesh: &MeshDescription) -> Vec<Vec<Vec2>> {
+    let n = mesh.positions.len();
+    let sets = mesh.uv_sets.iter().filter(|set| set.len() == n);
+    sets.cloned().collect()
 }
 
 fn place(
@@ -58,31 +236,20 @@ fn place(
     default_material: usize,
     warnings: &mut Vec<String>,
 ) -> Option<PlacedMesh> {
-    let name = if instance.name.is_empty() {
-        &mesh.name
-    } else {
-        &instance.name
-    };
-    let world_from_mesh = instance.world_from_mesh;
-    let linear = Mat3::from_mat4(world_from_mesh);
-    if !world_from_mesh.is_finite() {
+    let name = name_of(instance, mesh);
+    if !instance.world_from_mesh.is_finite() {
         warnings.push(format!(
             "node '{name}': its transform is not finite; left out"
         ));
         return None;
     }
+    let placement = MeshPlacement::new(instance.world_from_mesh);
     let positions: Vec<Vec3> = mesh
         .positions
         .iter()
-        .map(|p| world_from_mesh.transform_point3(*p))
+        .map(|p| instance.world_from_mesh.transform_point3(*p))
         .collect();
-    let determinant = linear.determinant();
-    let is_mirrored = determinant < 0.0;
-    let normal_matrix = Mat3::from_cols(
-        linear.y_axis.cross(linear.z_axis),
-        linear.z_axis.cross(linear.x_axis),
-        linear.x_axis.cross(linear.y_axis),
-    ) * if is_mirrored { -1.0 } else { 1.0 };
+    let is_mirrored = placement.is_mirrored;
     let triangles = sound_triangles(name, mesh, &positions, is_mirrored, warnings);
     if triangles.is_empty() {
         if !mesh.triangles.is_empty() {
@@ -97,7 +264,7 @@ fn place(
     let normals = mesh.normals.as_ref().filter(|v| v.len() == n).map(|v| {
         v.iter()
             .map(|normal| {
-                (normal_matrix * *normal)
+                (placement.normal_matrix * *normal)
                     .try_normalize()
                     .unwrap_or(Vec3::ZERO)
             })
@@ -106,8 +273,9 @@ fn place(
     let tangents = mesh.tangents.as_ref().filter(|v| v.len() == n).map(|v| {
         v.iter()
             .map(|t| {
-                let along = (linear * t.truncate()).normalize_or_zero();
-                along.extend(if is_mirrored { -t.w } else { t.w })
+                let tangent = placement.tangent(*t);
+                let along = tangent.truncate().normalize_or_zero();
+                along.extend(tangent.w)
             })
             .collect::<Vec<Vec4>>()
     });
@@ -124,17 +292,15 @@ fn place(
         name: name.clone(),
         first_triangle: 0,
         material: mesh.material.unwrap_or(default_material) as u32,
-        triangles,
-        normals,
-        tangents,
-        uv_sets: mesh
-            .uv_sets
-            .iter()
-            .filter(|set| set.len() == n)
-            .cloned()
-            .collect(),
-        colors: mesh.colors.as_ref().filter(|v| v.len() == n).cloned(),
-        positions,
+        arrays: Arc::new(MeshArrays {
+            triangles,
+            positions,
+            normals,
+            tangents,
+            uv_sets: sound_uv_sets(mesh),
+            colors: mesh.colors.clone().filter(|v| v.len() == n),
+        }),
+        placement: None,
     })
 }
 

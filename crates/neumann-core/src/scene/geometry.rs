@@ -1,15 +1,21 @@
 //! All triangles of a scene in world space, and what their corners carry.
 
-use glam::{Vec2, Vec3, Vec4};
+use std::sync::Arc;
+
+use glam::{Affine3A, Mat3, Mat4, Vec2, Vec3, Vec4};
 
 use crate::accel::Bvh;
 
 /// All triangles of a scene.
 #[derive(Debug)]
 pub struct Geometry {
+    /// Those that stand in the world by themselves, then instances, both in the order of their triangles.
     pub(super) meshes: Vec<PlacedMesh>,
-    /// `facets[triangle]`.
+    /// `facets[triangle]` of the meshes that stand in the world by themselves.
     pub(super) facets: Vec<Facet>,
+    /// Index of the first mesh that is an instance.
+    pub(super) first_instance: usize,
+    pub(super) n_triangles: usize,
     pub(super) bvh: Bvh,
     pub(super) min: Vec3,
     pub(super) max: Vec3,
@@ -39,7 +45,7 @@ impl Facet {
         Self {
             corner: corners[0],
             edges,
-            ng: edges[0].cross(edges[1]).normalize(),
+            ng: edges[0].cross(edges[1]).normalize_or(Vec3::Y),
             error: position_error(corners),
             mesh,
         }
@@ -53,7 +59,7 @@ impl Facet {
     }
 }
 
-/// A mesh in world space.
+/// A mesh that stands in the world.
 #[derive(Clone, Debug)]
 pub struct PlacedMesh {
     /// Name of the node that placed it.
@@ -62,6 +68,15 @@ pub struct PlacedMesh {
     pub first_triangle: u32,
     /// Index of its material.
     pub material: u32,
+    /// What its vertices carry: in world space, or, for an instance, in the mesh's own space.
+    pub arrays: Arc<MeshArrays>,
+    /// Where an instance stands; `None` for a mesh in world space.
+    pub(super) placement: Option<Box<MeshPlacement>>,
+}
+
+/// What the vertices of a mesh carry.
+#[derive(Clone, Debug, Default)]
+pub struct MeshArrays {
     /// Corners of each triangle; counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// `positions[vertex]`, metres.
@@ -76,6 +91,42 @@ pub struct PlacedMesh {
     pub colors: Option<Vec<Vec4>>,
 }
 
+/// How what an instance's vertices carry is taken to world space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MeshPlacement {
+    pub(super) world_from_mesh: Affine3A,
+    /// Takes normals along, lengths aside.
+    pub(super) normal_matrix: Mat3,
+    pub(super) is_mirrored: bool,
+}
+
+impl MeshPlacement {
+    /// The placement by an affine transform.
+    pub(super) fn new(world_from_mesh: Mat4) -> Self {
+        let linear = Mat3::from_mat4(world_from_mesh);
+        let is_mirrored = linear.determinant() < 0.0;
+        Self {
+            world_from_mesh: Affine3A::from_mat4(world_from_mesh),
+            normal_matrix: Mat3::from_cols(
+                linear.y_axis.cross(linear.z_axis),
+                linear.z_axis.cross(linear.x_axis),
+                linear.x_axis.cross(linear.y_axis),
+            ) * if is_mirrored { -1.0 } else { 1.0 },
+            is_mirrored,
+        }
+    }
+
+    /// A tangent in world space, the sign of its bitangent kept up.
+    pub(super) fn tangent(&self, tangent: Vec4) -> Vec4 {
+        let along = self.world_from_mesh.transform_vector3(tangent.truncate());
+        along.extend(if self.is_mirrored {
+            -tangent.w
+        } else {
+            tangent.w
+        })
+    }
+}
+
 impl Geometry {
     /// The tree over all triangles.
     #[inline]
@@ -87,7 +138,7 @@ impl Geometry {
     /// Number of triangles.
     #[must_use]
     pub fn n_triangles(&self) -> usize {
-        self.facets.len()
+        self.n_triangles
     }
 
     /// The meshes.
@@ -99,26 +150,65 @@ impl Geometry {
     /// Shape and place of a triangle.
     #[inline]
     #[must_use]
-    pub fn facet(&self, triangle: u32) -> &Facet {
-        &self.facets[triangle as usize]
+    pub fn facet(&self, triangle: u32) -> Facet {
+        match self.facets.get(triangle as usize) {
+            Some(facet) => *facet,
+            None => self.facet_of_instance(triangle),
+        }
     }
 
-    /// The mesh of a triangle, and the triangle's corners as vertices of it.
+    #[inline(never)]
+    fn facet_of_instance(&self, triangle: u32) -> Facet {
+        let instances = &self.meshes[self.first_instance..];
+        let index = instances.partition_point(|m| m.first_triangle <= triangle) - 1;
+        let mesh = &instances[index];
+        let vertices = mesh.arrays.triangles[(triangle - mesh.first_triangle) as usize];
+        let corners = mesh.corners(vertices.map(|v| v as usize));
+        Facet::new(&corners, (self.first_instance + index) as u32)
+    }
+
+    /// The corners of a triangle of a facet, as vertices of its mesh.
     #[inline]
     #[must_use]
-    pub fn triangle(&self, triangle: u32) -> (&PlacedMesh, [usize; 3]) {
-        let mesh = &self.meshes[self.facets[triangle as usize].mesh as usize];
-        let corners = mesh.triangles[(triangle - mesh.first_triangle) as usize];
-        (mesh, corners.map(|v| v as usize))
+    pub fn vertices(&self, facet: &Facet, triangle: u32) -> [usize; 3] {
+        let mesh = &self.meshes[facet.mesh as usize];
+        mesh.arrays.triangles[(triangle - mesh.first_triangle) as usize].map(|v| v as usize)
     }
 }
 
 impl PlacedMesh {
-    /// Positions of three vertices.
+    /// Positions of three vertices, world space.
     #[inline]
     #[must_use]
     pub fn corners(&self, vertices: [usize; 3]) -> [Vec3; 3] {
-        vertices.map(|v| self.positions[v])
+        let corners = vertices.map(|v| self.arrays.positions[v]);
+        match &self.placement {
+            None => corners,
+            Some(placement) => corners.map(|p| placement.world_from_mesh.transform_point3(p)),
+        }
+    }
+
+    /// The normal interpolated between three vertices, world space, not unit; `None` without normals.
+    #[inline]
+    #[must_use]
+    pub fn normal(&self, vertices: [usize; 3], b: [f32; 2]) -> Option<Vec3> {
+        let normals = self.arrays.normals.as_ref()?;
+        let n = interpolate(vertices.map(|v| normals[v]), b);
+        Some(match &self.placement {
+            None => n,
+            Some(placement) => placement.normal_matrix * n,
+        })
+    }
+
+    /// The tangent interpolated between three vertices, world space, not unit; `None` without tangents.
+    #[must_use]
+    pub fn tangent(&self, vertices: [usize; 3], b: [f32; 2]) -> Option<Vec4> {
+        let tangents = self.arrays.tangents.as_ref()?;
+        let tangent = interpolate(vertices.map(|v| tangents[v]), b);
+        Some(match &self.placement {
+            None => tangent,
+            Some(placement) => placement.tangent(tangent),
+        })
     }
 }
 

@@ -32,14 +32,14 @@ pub(super) fn lights(
             continue;
         }
         let is_double_sided = material.parameters().is_double_sided;
-        for (i, triangle) in mesh.triangles.iter().enumerate() {
+        for (i, triangle) in mesh.arrays.triangles.iter().enumerate() {
             let vertices = triangle.map(|v| v as usize);
             let corners = mesh.corners(vertices);
             let emission = match texture {
                 None => Emission::Uniform(factor),
                 Some(texture) => {
                     let uvs = vertices.map(|v| {
-                        let set = mesh.uv_sets.get(texture.uv_set);
+                        let set = mesh.arrays.uv_sets.get(texture.uv_set);
                         set.map_or(Vec2::ZERO, |set| set[v])
                     });
                     match TexturedEmission::new(factor, texture, uvs) {
@@ -68,7 +68,15 @@ pub(super) fn lights(
         center: 0.5 * (geometry.min + geometry.max),
         radius: (0.5 * (geometry.max - geometry.min).length() * 1.001).max(f32::MIN_POSITIVE),
     };
-    Lights::new(lights, geometry.n_triangles(), bounds)
+    // Triangles of instances come last, and are seldom lights.
+    let n_triangles = lights
+        .iter()
+        .map(|light| match light {
+            Light::Area(area) => area.triangle as usize + 1,
+            _ => 0,
+        })
+        .max();
+    Lights::new(lights, n_triangles.unwrap_or(0), bounds)
 }
 
 fn punctual(light: &LightDescription, level: f32) -> Option<Light> {

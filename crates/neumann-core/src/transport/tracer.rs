@@ -154,8 +154,13 @@ impl<'a> Tracer<'a> {
             triangle: vertex.triangle,
             barycentrics: vertex.barycentrics,
         };
-        let (mesh, corners) = self.scene.geometry().triangle(hit.triangle);
-        let attributes = attributes(mesh, corners, hit.barycentrics);
+        let geometry = self.scene.geometry();
+        let facet = geometry.facet(hit.triangle);
+        let attributes = attributes(
+            &geometry.meshes()[facet.mesh as usize],
+            geometry.vertices(&facet, hit.triangle),
+            hit.barycentrics,
+        );
         vertex.material.base_color(&attributes.inputs())
     }
 
@@ -176,20 +181,19 @@ impl<'a> Tracer<'a> {
         let facet = geometry.facet(hit.triangle);
         let mesh = &geometry.meshes()[facet.mesh as usize];
         let material = &self.scene.materials()[mesh.material as usize];
-        let surface = if material.is_uniform() && mesh.colors.is_none() {
+        let surface = if material.is_uniform() && mesh.arrays.colors.is_none() {
             Surface {
-                ns: match &mesh.normals {
-                    None => facet.ng,
-                    Some(normals) => {
-                        let (_, vertices) = geometry.triangle(hit.triangle);
-                        smooth_normal(normals, vertices, hit.barycentrics, facet.ng)
-                    }
+                ns: if mesh.arrays.normals.is_some() {
+                    let vertices = geometry.vertices(&facet, hit.triangle);
+                    smooth_normal(mesh, vertices, hit.barycentrics, facet.ng)
+                } else {
+                    facet.ng
                 },
                 bsdf: material.bsdf(&SurfaceInputs::NONE),
                 opacity: 1.0,
             }
         } else {
-            self.varying_surface(hit, facet, material)
+            self.varying_surface(hit, &facet, material)
         };
         SurfaceVertex {
             point: SurfacePoint {
@@ -211,7 +215,9 @@ impl<'a> Tracer<'a> {
     /// What textures and vertices make of a surface at a point.
     #[inline(never)]
     fn varying_surface(&self, hit: &Hit, facet: &Facet, material: &Material) -> Surface {
-        let (mesh, vertices) = self.scene.geometry().triangle(hit.triangle);
+        let geometry = self.scene.geometry();
+        let mesh = &geometry.meshes()[facet.mesh as usize];
+        let vertices = geometry.vertices(facet, hit.triangle);
         let attributes = attributes(mesh, vertices, hit.barycentrics);
         Surface {
             ns: shading_normal(
@@ -250,11 +256,14 @@ impl<'a> Tracer<'a> {
     }
 
     fn opacity(&self, hit: &Hit) -> f32 {
-        let (mesh, vertices) = self.scene.geometry().triangle(hit.triangle);
+        let geometry = self.scene.geometry();
+        let facet = geometry.facet(hit.triangle);
+        let mesh = &geometry.meshes()[facet.mesh as usize];
         let material = &self.scene.materials()[mesh.material as usize];
         if !material.has_alpha() {
             return 1.0;
         }
+        let vertices = geometry.vertices(&facet, hit.triangle);
         material.opacity(&attributes(mesh, vertices, hit.barycentrics).inputs())
     }
 
@@ -286,22 +295,22 @@ fn segment(origin: Vec3, target: Vec3) -> Option<Ray> {
 #[inline]
 fn attributes(mesh: &PlacedMesh, vertices: [usize; 3], b: [f32; 2]) -> Attributes {
     let mut uvs = [Vec2::ZERO; N_UV_SETS];
-    for (uv, set) in uvs.iter_mut().zip(&mesh.uv_sets) {
+    for (uv, set) in uvs.iter_mut().zip(&mesh.arrays.uv_sets) {
         *uv = interpolate(vertices.map(|v| set[v]), b);
     }
     Attributes {
         uvs,
-        n_uv_sets: mesh.uv_sets.len().min(N_UV_SETS),
-        color: mesh.colors.as_ref().map_or(Vec4::ONE, |colors| {
+        n_uv_sets: mesh.arrays.uv_sets.len().min(N_UV_SETS),
+        color: mesh.arrays.colors.as_ref().map_or(Vec4::ONE, |colors| {
             interpolate(vertices.map(|v| colors[v]), b)
         }),
     }
 }
 
-/// The interpolated normal, on the side of `ng`.
+/// The interpolated normal, on the side of `ng`; `ng` itself where there is none.
 #[inline]
-fn smooth_normal(normals: &[Vec3], vertices: [usize; 3], b: [f32; 2], ng: Vec3) -> Vec3 {
-    let n = interpolate(vertices.map(|v| normals[v]), b).normalize_or(ng);
+fn smooth_normal(mesh: &PlacedMesh, vertices: [usize; 3], b: [f32; 2], ng: Vec3) -> Vec3 {
+    let n = mesh.normal(vertices, b).unwrap_or(ng).normalize_or(ng);
     if n.dot(ng) < 0.0 { -n } else { n }
 }
 
@@ -316,20 +325,14 @@ fn shading_normal(
     attributes: &Attributes,
 ) -> Vec3 {
     let ng = facet.ng;
-    let smooth = match &mesh.normals {
-        Some(normals) => smooth_normal(normals, vertices, b, ng),
-        None => ng,
-    };
+    let smooth = smooth_normal(mesh, vertices, b, ng);
     let Some(tangent_normal) = material.tangent_normal(&attributes.inputs()) else {
         return smooth;
     };
-    let tangent = match &mesh.tangents {
-        Some(tangents) => interpolate(vertices.map(|v| tangents[v]), b),
-        None => {
-            let set = material.normal_texture().map_or(0, |t| t.uv_set);
-            tangent_from_uvs(mesh, vertices, facet, set)
-        }
-    };
+    let tangent = mesh.tangent(vertices, b).unwrap_or_else(|| {
+        let set = material.normal_texture().map_or(0, |t| t.uv_set);
+        tangent_from_uvs(mesh, vertices, facet, set)
+    });
     let along = tangent.truncate();
     let x = (along - smooth * smooth.dot(along)).normalize_or(smooth.any_orthonormal_vector());
     let y = smooth.cross(x) * if tangent.w < 0.0 { -1.0 } else { 1.0 };
@@ -343,7 +346,7 @@ fn shading_normal(
 fn tangent_from_uvs(mesh: &PlacedMesh, vertices: [usize; 3], facet: &Facet, set: usize) -> Vec4 {
     let ng = facet.ng;
     let fallback = ng.any_orthonormal_vector().extend(1.0);
-    let Some(uvs) = mesh.uv_sets.get(set) else {
+    let Some(uvs) = mesh.arrays.uv_sets.get(set) else {
         return fallback;
     };
     let [p1, p2] = facet.edges;

@@ -79,7 +79,12 @@ impl LightBounds {
             theta_e: self.theta_e.max(other.theta_e),
             is_two_sided: self.is_two_sided || other.is_two_sided,
             intensity: self.intensity + other.intensity,
-            vector: self.vector + if is_turned { -other.vector } else { other.vector },
+            vector: self.vector
+                + if is_turned {
+                    -other.vector
+                } else {
+                    other.vector
+                },
         }
     }
 

@@ -80,7 +80,11 @@ impl Chooser {
             .flatten()
             .map(|b| f64::from(b.intensity))
             .sum();
-        let scale = if intensity > 0.0 { 1.0 / intensity } else { 1.0 };
+        let scale = if intensity > 0.0 {
+            1.0 / intensity
+        } else {
+            1.0
+        };
         Some(Self {
             power: choice,
             tree: build(&bounds, scale),

@@ -118,7 +118,8 @@ impl Lights {
         self.chooser.as_ref().map_or(0.0, |c| c.pmf_by_power(light))
     }
 
-    /// Probability with which [`Self::aim`] chooses a light.
+    /// Probability with which [`Self::aim`] chooses a light. Over all lights they add to one, or to less where the way
+    /// through the tree may end at lights that cannot reach the point.
     #[must_use]
     pub fn pmf_aim(&self, from: &Receiver, choice: LightChoice, light: usize) -> f32 {
         self.chooser.as_ref().map_or(0.0, |c| match choice {
@@ -138,15 +139,22 @@ impl Lights {
         }
     }
 
+    /// The light that `u` in [0, 1) falls on, to be aimed at, and its probability; `None` where none can reach the point.
+    #[inline]
+    #[must_use]
+    pub fn choose(&self, from: &Receiver, choice: LightChoice, u: f32) -> Option<(usize, f32)> {
+        let chooser = self.chooser.as_ref()?;
+        match choice {
+            LightChoice::Tree => chooser.by_tree(from, u),
+            LightChoice::Power => Some(chooser.by_power(u)),
+        }
+    }
+
     /// Chooses a light and aims at it; `None` means no light this way.
     #[inline]
     #[must_use]
     pub fn aim(&self, from: &Receiver, choice: LightChoice, u: &LightSample) -> Option<Aim> {
-        let chooser = self.chooser.as_ref()?;
-        let (index, pmf) = match choice {
-            LightChoice::Tree => chooser.by_tree(from, u.choice[0])?,
-            LightChoice::Power => chooser.by_power(u.choice[0]),
-        };
+        let (index, pmf) = self.choose(from, choice, u.choice[0])?;
         let mut aim = match &self.lights[index] {
             Light::Area(l) => l.aim(from.position, u),
             Light::Point(l) => l.aim(from.position),
@@ -154,7 +162,7 @@ impl Lights {
             Light::Directional(l) => Some(l.aim(self.bounds)),
             Light::Environment(l) => l.aim(u.point, self.bounds),
         }?;
-        let pmf_start = chooser.pmf_by_power(index);
+        let pmf_start = self.pmf_start(index);
         aim.pdf_w *= pmf;
         aim.start.pdf_a *= pmf_start;
         aim.start_over_aim = pmf_start / pmf;

@@ -253,8 +253,7 @@ impl Node {
         let best_axis = cos_less(cos_axis, cos_b, sin_b);
         let best_normal = cos_less(cos_normal, cos_b, sin_b);
         let margin = Vec4::splat(MARGIN);
-        let is_reached =
-            best_axis.cmpgt(self.cos_reach - margin) & best_normal.cmpgt(-margin);
+        let is_reached = best_axis.cmpgt(self.cos_reach - margin) & best_normal.cmpgt(-margin);
 
         // The mean cosine at the lights: of one direction, or of many; and that at the receiver.
         let one = cos_axis.max(Vec4::ZERO);

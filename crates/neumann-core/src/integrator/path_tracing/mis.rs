@@ -67,9 +67,8 @@ impl Integrator for Mis {
                 let Some(vertex) = tracer.vertex(&ray) else {
                     let radiance = scene.lights().environment_radiance(ray.direction);
                     if !radiance.is_black() {
-                        let weight = drawn.map_or(1.0, |d| {
-                            d.mis_weight_of_environment(tracer, ray.direction)
-                        });
+                        let weight = drawn
+                            .map_or(1.0, |d| d.mis_weight_of_environment(tracer, ray.direction));
                         sink.add(hit(bounce, throughput * radiance, weight));
                     }
                     return;

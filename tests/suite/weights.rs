@@ -8,10 +8,11 @@ use neumann_core::bsdf::TransportMode;
 use neumann_core::endpoint::light::LightSample;
 use neumann_core::endpoint::{Aim, Camera, CameraRay, LensHit, LightChoice, Spread, Start};
 use neumann_core::integrator::bidirectional::weights::{EndDensities, JointDensities};
-use neumann_core::integrator::bidirectional::{Heuristic, Partial, Weighing};
+use neumann_core::integrator::bidirectional::{Heuristic, Partial, Walk, Weighing};
 use neumann_core::scene::Scene;
 use neumann_core::scene::description::{CameraDescription, Lens, Projection};
 use neumann_core::transport::{SurfaceVertex, Tracer};
+use neumann_tests::lights::light_sample;
 use neumann_tests::random::Random;
 use neumann_tests::scenes::builtin;
 use neumann_tests::studio::studios;
@@ -401,4 +402,43 @@ fn running_weights_are_the_written_out_ones() {
         n_specular > 1000,
         "only {n_specular} paths with a mirror-like vertex"
     );
+}
+
+/// A light's walk begins with the probability of its light to be aimed at from where it lands, over that of being
+/// started from: the two are chosen differently.
+#[test]
+fn walks_from_lights_know_both_choices() {
+    let mut random = Random::new(78);
+    let weighing = Weighing::connections(Heuristic::Power, 1.0);
+    let (mut n_walks, mut n_different) = (0, 0);
+    let mut scenes = studios();
+    scenes.push(("many", builtin("many")));
+    for (name, scene) in &scenes {
+        let lights = scene.lights();
+        for _ in 0..200 {
+            let Some(start) = lights.start(&light_sample(&mut random)) else {
+                continue;
+            };
+            let mut tracer = Tracer::new(scene);
+            let mut walk = Walk::from_light(&start, &weighing);
+            let Some(vertex) = walk.meet(&mut tracer, &weighing) else {
+                continue;
+            };
+            let surface = &vertex.surface;
+            // Where it is aimed at from there, with densities in the same measure.
+            let aimed = lights.pmf_aim(&surface.receiver(), LightChoice::Tree, start.light);
+            let ratio = f64::from(aimed) / f64::from(lights.pmf_start(start.light));
+            let cos = f64::from(surface.cos_g(surface.wo));
+            let across = f64::from(start.spread.pdf_a_across(surface.distance));
+            let expected = square(ratio / (across * cos));
+            let found = f64::from(vertex.partial.d_vcm);
+            assert!(
+                (found / expected - 1.0).abs() < 1e-3,
+                "{name}: {found}, expected {expected}"
+            );
+            n_walks += 1;
+            n_different += usize::from((ratio - 1.0).abs() > 0.1);
+        }
+    }
+    assert!(n_walks > 1000 && n_different > n_walks / 10);
 }

@@ -1,7 +1,7 @@
 //! Where a group of lights is, where it shines, and how strongly.
 //!
 //! A box, and a cone of directions: the axes of all lights of the group lie within the angle `theta_o` of the
-//! group's axis, and each shines at most `theta_e` beyond its own ([Conty & Kulla 2018] 4.1, \[PBR4\] 12.6.3).
+//! group's axis, and each shines at most `theta_e` beyond its own ([Conty & Kulla 2018], \[PBR4\] 12.6.3).
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -138,7 +138,7 @@ impl LightBounds {
     }
 
     /// What it costs to choose among these lights by their bounds alone: intensity, times the spread in direction
-    /// ([Conty & Kulla 2018] (1)), times the squared diagonal of the box, which unlike its surface is 0 for a point only.
+    /// ([Conty & Kulla 2018], \[PBR4\] 12.6.3), times the squared diagonal of the box, which unlike its surface is 0 for a point only.
     pub(super) fn cost(&self) -> f32 {
         let (o, w) = (self.theta_o, (self.theta_o + self.theta_e).min(PI));
         let (sin_o, cos_o) = o.sin_cos();

@@ -1,7 +1,7 @@
 //! Builds the tree over lights, top down.
 //!
 //! Lights are put into bins along each axis of the box around their centres, and split between two bins where the
-//! sum of the costs of both sides is least (the surface area orientation heuristic of [Conty & Kulla 2018] 4.3). The
+//! sum of the costs of both sides is least (the surface area orientation heuristic of [Conty & Kulla 2018]). The
 //! binary tree is then folded so that a node has up to four children.
 
 use glam::Vec3;

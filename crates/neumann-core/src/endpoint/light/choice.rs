@@ -51,6 +51,8 @@ pub(super) struct Chooser {
     power: AliasTable,
     tree: LightTree,
     distant: Option<Distant>,
+    /// True where a tree would say what power says already.
+    is_one_place: bool,
 }
 
 /// The lights infinitely far away.
@@ -85,10 +87,13 @@ impl Chooser {
         } else {
             1.0
         };
+        let tree = build(&bounds, scale);
+        let distant = Distant::new(lights, &power, scene, scale);
         Some(Self {
             power: choice,
-            tree: build(&bounds, scale),
-            distant: Distant::new(lights, &power, scene, scale),
+            is_one_place: distant.is_none() && tree.is_one_place(),
+            tree,
+            distant,
         })
     }
 
@@ -107,6 +112,9 @@ impl Chooser {
     /// A light chosen for a receiver, and its probability; `None` where none can reach it.
     #[inline]
     pub(super) fn by_tree(&self, at: &Receiver, u: f32) -> Option<(usize, f32)> {
+        if self.is_one_place {
+            return Some(self.by_power(u));
+        }
         if self.tree.is_empty() {
             return self.distant.as_ref().map(|d| d.choice.sample(u));
         }
@@ -126,6 +134,9 @@ impl Chooser {
 
     /// Probability with which [`Self::by_tree`] chooses a light.
     pub(super) fn pmf_by_tree(&self, at: &Receiver, light: usize) -> f32 {
+        if self.is_one_place {
+            return self.pmf_by_power(light);
+        }
         if self.tree.is_empty() {
             return self.distant.as_ref().map_or(0.0, |d| d.choice.pmf(light));
         }

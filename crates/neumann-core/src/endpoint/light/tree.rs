@@ -1,7 +1,6 @@
 //! A tree over lights, from which one is chosen in proportion to a bound of what it sends to a point.
 //!
-//! After A. Conty Estevez, C. Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, 2018, and
-//! \[PBR4\] 12.6.3. From the root down, each step goes on to one child with probability proportional to its
+//! After [Conty & Kulla 2018] and \[PBR4\] 12.6.3. From the root down, each step goes on to one child with probability proportional to its
 //! importance, `I cos θ cos θ_i / d²`: an estimate of what its lights send to the receiver. It is 0 only where
 //! bounds say that none of them can reach it.
 //!
@@ -107,6 +106,22 @@ impl LightTree {
     #[inline]
     pub(super) fn is_empty(&self) -> bool {
         self.nodes.is_empty()
+    }
+
+    /// True if the lights are few and nothing but their strength tells them apart, as the two halves of a rectangle.
+    pub(super) fn is_one_place(&self) -> bool {
+        let [node] = self.nodes.as_slice() else {
+            return false;
+        };
+        (1..WIDTH)
+            .filter(|lane| node.intensity[*lane] > 0.0)
+            .all(|lane| {
+                let is_same = |v: &Vec4| v[lane] == v[0];
+                node.center.iter().chain(&node.axis).all(is_same)
+                    && [node.radius, node.unity, node.cos_reach, node.side]
+                        .iter()
+                        .all(is_same)
+            })
     }
 
     /// True if a light is in the tree.
@@ -227,7 +242,7 @@ impl Node {
         self.inside[lane] = intensity * (0.25 * 2.0 / (radius * radius).max(NEAREST));
     }
 
-    /// Importances of the children (compare [Conty & Kulla 2018] (3), \[PBR4\] 12.6.3).
+    /// Importances of the children (compare \[PBR4\] 12.6.3).
     #[inline]
     fn importances(&self, at: &Receiver) -> Importances {
         let away = [0, 1, 2].map(|i| Vec4::splat(at.position[i]) - self.center[i]);

@@ -29,7 +29,6 @@ pub static METHOD: Method = Method {
     bias: None,
     has_techniques: false,
     parameters: &[
-        LIGHTS,
         Parameter {
             name: "roulette",
             title: "Russian roulette",
@@ -37,6 +36,7 @@ pub static METHOD: Method = Method {
             about: "End long paths by chance, in proportion to what they could still carry.",
             kind: ParameterKind::Switch { default: true },
         },
+        LIGHTS,
     ],
     build: |values: &ParameterValues| {
         Box::new(Mis {

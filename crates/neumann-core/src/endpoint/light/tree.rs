@@ -48,8 +48,8 @@ struct Node {
     side: Vec4,
     /// 0 in lanes without a child.
     intensity: Vec4,
-    /// Importance for a receiver within the sphere.
-    inside: Vec4,
+    /// The most that `1 / d²` counts, 1/m²: its mean over a ball, seen from the middle.
+    nearest: Vec4,
     children: [u32; WIDTH],
     /// The lane that leads here.
     parent: u32,
@@ -218,7 +218,7 @@ impl Node {
         cos_reach: Vec4::ONE,
         side: Vec4::ONE,
         intensity: Vec4::ZERO,
-        inside: Vec4::ZERO,
+        nearest: Vec4::ZERO,
         children: [NOWHERE; WIDTH],
         parent: NOWHERE,
     };
@@ -238,8 +238,7 @@ impl Node {
         self.cos_reach[lane] = bounds.reach_about(axis).cos();
         self.side[lane] = if bounds.is_two_sided { -1.0 } else { 1.0 };
         self.intensity[lane] = intensity;
-        // The mean of the cosines over all directions, and of 1/d² over the ball.
-        self.inside[lane] = intensity * (0.25 * 2.0 / (radius * radius).max(NEAREST));
+        self.nearest[lane] = 3.0 / (radius * radius).max(NEAREST);
     }
 
     /// Importances of the children (compare \[PBR4\] 12.6.3).
@@ -279,9 +278,10 @@ impl Node {
 
         let least = Vec4::splat(LEAST_COSINE);
         let cosines = at_lights.max(least) * at_receiver.max(least);
-        let outside = self.intensity * cosines * over_distance_squared;
-        let outside = Vec4::select(is_reached, outside, Vec4::ZERO);
-        let importance = Vec4::select(is_inside, self.inside, outside);
+        let cosines = Vec4::select(is_reached, cosines, Vec4::ZERO);
+        // Within the sphere, lights are on all sides.
+        let cosines = Vec4::select(is_inside, Vec4::splat(0.25), cosines);
+        let importance = self.intensity * cosines * over_distance_squared.min(self.nearest);
         Importances {
             lanes: importance.to_array(),
             sum: importance.element_sum(),

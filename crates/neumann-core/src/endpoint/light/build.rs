@@ -1,7 +1,7 @@
 //! Builds the tree over lights, top down.
 //!
 //! Lights are put into bins along each axis of the box around their centres, and split between two bins where the
-//! sum of the costs of both sides is least (the surface area orientation heuristic of [Conty & Kulla 2018]). The
+//! sum of the costs of both sides is least (after the surface area orientation heuristic of [Conty & Kulla 2018]). The
 //! binary tree is then folded so that a node has up to four children.
 
 use glam::Vec3;
@@ -77,6 +77,9 @@ fn split(items: &mut [Item], nodes: &mut Vec<BinaryNode>) -> usize {
 /// Puts the lights of one side before those of the other and yields how many there are.
 fn partition(items: &mut [Item]) -> usize {
     let half = items.len() / 2;
+    if items.len() == 2 {
+        return half;
+    }
     let first = items[0].center;
     let (min, max) = items.iter().fold((first, first), |(min, max), item| {
         (min.min(item.center), max.max(item.center))
@@ -142,7 +145,7 @@ fn best_split(items: &[Item], min: Vec3, max: Vec3) -> Option<Split> {
 
 fn joined(a: Option<&LightBounds>, b: Option<&LightBounds>) -> Option<LightBounds> {
     match (a, b) {
-        (Some(a), Some(b)) => Some(a.union(b)),
+        (Some(a), Some(b)) => Some(a.union_but_cone(b)),
         (a, b) => a.or(b).copied(),
     }
 }

@@ -234,7 +234,7 @@ impl Node {
         let radius = (bounds.max - center).length() * 1.0001 + center.length() * 1e-6;
         let intensity = (f64::from(bounds.intensity) * scale) as f32;
         self.radius[lane] = radius;
-        self.unity[lane] = (bounds.vector.length() / bounds.intensity).min(1.0);
+        self.unity[lane] = bounds.unity();
         self.cos_reach[lane] = bounds.reach_about(axis).cos();
         self.side[lane] = if bounds.is_two_sided { -1.0 } else { 1.0 };
         self.intensity[lane] = intensity;

@@ -1,7 +1,7 @@
 //! Which light: by power where a path starts, by what it may send to a point where one is aimed at.
 //!
 //! Seen from a point, the lights that have a place are in a tree, and those infinitely far away beside it
-//! (\[PBR4\] 12.6.3). How often it is one of the latter depends on what both may send there.
+//! (\[PBR4\] 12.6.3).
 
 use glam::Vec3;
 
@@ -50,23 +50,15 @@ impl Receiver {
 pub(super) struct Chooser {
     power: AliasTable,
     tree: LightTree,
-    distant: Option<Distant>,
+    /// The lights infinitely far away: over all lights, by power, those of the tree having none.
+    distant: Option<AliasTable>,
     /// True where a tree would say what power says already.
     is_one_place: bool,
 }
 
-/// The lights infinitely far away.
-#[derive(Clone, Debug)]
-struct Distant {
-    /// Over all lights, by power, those of the tree having none.
-    choice: AliasTable,
-    /// What all of them send to a surface across each, W/m², in the tree's scale.
-    irradiance: f32,
-}
-
-/// Lights infinitely far away, and the lights of the tree, are each chosen at least this often where both may count:
-/// what is in the way of them is not known.
-const LEAST_SHARE: f32 = 0.25;
+/// How often it is a light infinitely far away where one of the tree may count as well. What is in the way of either is not
+/// known, so that shares by what both would send there unhindered were worse, measured under skies.
+const DISTANT_SHARE: f32 = 0.5;
 
 impl Chooser {
     /// `None` if the lights have no power, or more than numbers can hold.
@@ -88,7 +80,12 @@ impl Chooser {
             1.0
         };
         let tree = build(&bounds, scale);
-        let distant = Distant::new(lights, &power, scene, scale);
+        let of_distant = |(light, power): (&Light, &f64)| match light {
+            Light::Directional(_) | Light::Environment(_) => *power,
+            _ => 0.0,
+        };
+        let distant: Vec<f64> = lights.iter().zip(&power).map(of_distant).collect();
+        let distant = AliasTable::new(&distant);
         Some(Self {
             power: choice,
             is_one_place: distant.is_none() && tree.is_one_place(),
@@ -116,15 +113,15 @@ impl Chooser {
             return Some(self.by_power(u));
         }
         if self.tree.is_empty() {
-            return self.distant.as_ref().map(|d| d.choice.sample(u));
+            return self.distant.as_ref().map(|d| d.sample(u));
         }
         let root = self.tree.root(at);
         let Some(distant) = &self.distant else {
             return self.tree.sample(at, root, u);
         };
-        let share = distant.share(root);
+        let share = distant_share(root);
         if u < share {
-            let (light, pmf) = distant.choice.sample(u / share);
+            let (light, pmf) = distant.sample(u / share);
             return Some((light, share * pmf));
         }
         let u = ((u - share) / (1.0 - share)).min(1.0 - f32::EPSILON);
@@ -138,42 +135,20 @@ impl Chooser {
             return self.pmf_by_power(light);
         }
         if self.tree.is_empty() {
-            return self.distant.as_ref().map_or(0.0, |d| d.choice.pmf(light));
+            return self.distant.as_ref().map_or(0.0, |d| d.pmf(light));
         }
         let root = self.tree.root(at);
-        let share = self.distant.as_ref().map_or(0.0, |d| d.share(root));
+        let share = self.distant.as_ref().map_or(0.0, |_| distant_share(root));
         if self.tree.has(light) {
             (1.0 - share) * self.tree.pmf(at, root, light)
         } else {
-            share * self.distant.as_ref().map_or(0.0, |d| d.choice.pmf(light))
+            share * self.distant.as_ref().map_or(0.0, |d| d.pmf(light))
         }
     }
 }
 
-impl Distant {
-    fn new(lights: &[Light], power: &[f64], scene: Bounds, scale: f64) -> Option<Self> {
-        let is_distant = |l: &Light| matches!(l, Light::Directional(_) | Light::Environment(_));
-        let weights: Vec<f64> = lights
-            .iter()
-            .zip(power)
-            .map(|(light, power)| if is_distant(light) { *power } else { 0.0 })
-            .collect();
-        let across = std::f64::consts::PI * f64::from(scene.radius).powi(2);
-        let irradiance = weights.iter().sum::<f64>() / across * scale;
-        Some(Self {
-            choice: AliasTable::new(&weights)?,
-            irradiance: irradiance.clamp(1e-30, 1e30) as f32,
-        })
-    }
-
-    /// How often it is one of these: between equal shares and shares by what both may send.
-    #[inline]
-    fn share(&self, tree: Importances) -> f32 {
-        if tree.sum > 0.0 {
-            let by_irradiance = self.irradiance / (self.irradiance + tree.sum);
-            LEAST_SHARE + (1.0 - 2.0 * LEAST_SHARE) * by_irradiance
-        } else {
-            1.0
-        }
-    }
+/// How often it is a light infinitely far away, the importances of the tree being what they are.
+#[inline]
+fn distant_share(tree: Importances) -> f32 {
+    if tree.sum > 0.0 { DISTANT_SHARE } else { 1.0 }
 }

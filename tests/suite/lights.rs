@@ -7,14 +7,17 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::{Mat3, Vec3};
-use neumann_core::endpoint::Lights;
 use neumann_core::endpoint::light::Light;
+use neumann_core::endpoint::{LightChoice, Lights};
 use neumann_tests::cells::SphereCells;
-use neumann_tests::lights::{BOUNDS, CORNERS, all_lights, environment_light, light_sample, only};
+use neumann_tests::lights::{
+    BOUNDS, CORNERS, all_lights, anywhere, environment_light, light_sample, only,
+};
 use neumann_tests::random::Random;
 use neumann_tests::statistics::{Estimate, Family, chi_square};
 
 const N_SAMPLES: usize = 60_000;
+const TREE: LightChoice = LightChoice::Tree;
 
 /// Barycentric coordinates of a point of the triangle light.
 fn barycentrics(p: Vec3) -> [f32; 2] {
@@ -80,7 +83,10 @@ fn positions_on_area_lights() {
         let mut started = vec![0.0; 2 * n * n];
         let mut aimed = vec![0.0; 2 * n * n];
         let mut inverse = Vec::new();
-        let x = if lights.aim(above, &light_sample(&mut random)).is_some() {
+        let x = if lights
+            .aim(&anywhere(above), TREE, &light_sample(&mut random))
+            .is_some()
+        {
             above
         } else {
             below
@@ -95,7 +101,7 @@ fn positions_on_area_lights() {
                 (area.pdf_a(b) / stated - 1.0).abs() < 1e-3,
                 "{name} at {b:?}"
             );
-            let aim = lights.aim(x, &u).unwrap();
+            let aim = lights.aim(&anywhere(x), TREE, &u).unwrap();
             let point = aim.surface.unwrap();
             aimed[triangle_cell(barycentrics(point.position), n)] += 1.0;
             inverse.push(1.0 / f64::from(aim.pdf_w));
@@ -183,6 +189,7 @@ fn directions_from_the_environment() {
     let mut random = Random::new(22);
     let light = environment_light();
     let lights = only(Light::Environment(light.clone()));
+    let here = anywhere(Vec3::ZERO);
     // Columns and rows of the map, each row cut in two. Local axes: x to -Z, y to +X, z to +Y,
     // so that the angle is 2π (u - 1/2) before the turn by the rotation.
     let local = |w: Vec3| Vec3::new(-w.z, w.x, w.y);
@@ -192,7 +199,7 @@ fn directions_from_the_environment() {
         .collect();
     let cells = SphereCells::new(heights, 16, 0.0);
     let expected: Vec<f64> = cells
-        .integrals(|l| f64::from(lights.environment_densities(world(l)).0))
+        .integrals(|l| f64::from(lights.environment_densities(&here, TREE, world(l)).0))
         .iter()
         .map(|e| e * N_SAMPLES as f64)
         .collect();
@@ -201,9 +208,9 @@ fn directions_from_the_environment() {
     let (mut aimed, mut started) = (vec![0.0; cells.n_cells()], vec![0.0; cells.n_cells()]);
     for _ in 0..N_SAMPLES {
         let u = light_sample(&mut random);
-        let aim = lights.aim(Vec3::ZERO, &u).unwrap();
+        let aim = lights.aim(&here, TREE, &u).unwrap();
         aimed[cells.cell(local(aim.wi))] += 1.0;
-        let (pdf_w, densities) = lights.environment_densities(aim.wi);
+        let (pdf_w, densities) = lights.environment_densities(&here, TREE, aim.wi);
         assert!(
             (pdf_w / aim.pdf_w - 1.0).abs() < 1e-3,
             "{pdf_w} {}",
@@ -251,7 +258,9 @@ fn started_rays_carry_the_power() {
     }
     // All together: the choice among lights must be undone by its probability.
     let lights = Lights::new(mixed, 1, BOUNDS);
-    let pmf: f32 = (0..lights.as_slice().len()).map(|i| lights.pmf(i)).sum();
+    let pmf: f32 = (0..lights.as_slice().len())
+        .map(|i| lights.pmf_start(i))
+        .sum();
     assert!((pmf - 1.0).abs() < 1e-5, "probabilities add to {pmf}");
     let power = power_of(&lights, &mut random);
     family.add(
@@ -273,16 +282,16 @@ fn power_of(lights: &Lights, random: &mut Random) -> Estimate {
 }
 
 /// The irradiance that aiming at all lights together finds is the sum of what each alone gives:
-/// the choice among lights enters the densities.
+/// the choice among lights enters the densities, whatever it is made by.
 #[test]
 fn the_choice_of_a_light_is_weighed() {
     let mut family = Family::default();
     let mut random = Random::new(24);
     let x = Vec3::new(0.3, -1.4, 0.1);
-    let mut fluence = |lights: &Lights| -> Estimate {
+    let mut fluence = |lights: &Lights, choice: LightChoice| -> Estimate {
         let values: Vec<f64> = (0..N_SAMPLES)
             .map(|_| {
-                let aim = lights.aim(x, &light_sample(&mut random));
+                let aim = lights.aim(&anywhere(x), choice, &light_sample(&mut random));
                 aim.map_or(0.0, |a| f64::from(a.value.r / a.pdf_w))
             })
             .collect();
@@ -290,13 +299,13 @@ fn the_choice_of_a_light_is_weighed() {
     };
     let alone: Vec<Estimate> = all_lights()
         .into_iter()
-        .map(|(_, light)| fluence(&only(light)))
+        .map(|(_, light)| fluence(&only(light), TREE))
         .collect();
-    let together = fluence(&Lights::new(
+    let all = Lights::new(
         all_lights().into_iter().map(|(_, l)| l).collect(),
         1,
         BOUNDS,
-    ));
+    );
     let sum = Estimate {
         mean: alone.iter().map(|e| e.mean).sum(),
         standard_error: alone
@@ -307,9 +316,12 @@ fn the_choice_of_a_light_is_weighed() {
         n: N_SAMPLES,
     };
     assert!(sum.mean > 0.0);
-    family.add(
-        together.p_value_against(&sum, 1e-5),
-        format!("together {together:?}, one by one {sum:?}"),
-    );
+    for choice in [TREE, LightChoice::Power] {
+        let together = fluence(&all, choice);
+        family.add(
+            together.p_value_against(&sum, 1e-5),
+            format!("{choice:?}: together {together:?}, one by one {sum:?}"),
+        );
+    }
     family.judge();
 }

@@ -5,6 +5,7 @@ mod agreement;
 mod cameras;
 mod determinism;
 mod energy;
+mod light_choice;
 mod lights;
 mod merging;
 mod reference;

@@ -6,12 +6,13 @@
 
 use neumann_core::bsdf::TransportMode;
 use neumann_core::endpoint::light::LightSample;
-use neumann_core::endpoint::{Aim, Camera, CameraRay, LensHit, Spread, Start};
+use neumann_core::endpoint::{Aim, Camera, CameraRay, LensHit, LightChoice, Spread, Start};
 use neumann_core::integrator::bidirectional::weights::{EndDensities, JointDensities};
-use neumann_core::integrator::bidirectional::{Heuristic, Partial, Weighing};
+use neumann_core::integrator::bidirectional::{Heuristic, Partial, Walk, Weighing};
 use neumann_core::scene::Scene;
 use neumann_core::scene::description::{CameraDescription, Lens, Projection};
 use neumann_core::transport::{SurfaceVertex, Tracer};
+use neumann_tests::lights::light_sample;
 use neumann_tests::random::Random;
 use neumann_tests::scenes::builtin;
 use neumann_tests::studio::studios;
@@ -78,7 +79,9 @@ fn path(scene: &Scene, camera: &Camera, size: f32, n: usize, random: &mut Random
         point: [uniform(random), uniform(random)],
         direction: [0.0; 2],
     };
-    let aim = scene.lights().aim(last.point.position, &u)?;
+    let aim = scene
+        .lights()
+        .aim(&last.receiver(), LightChoice::Tree, &u)?;
     last.scattering(aim.wi, TransportMode::Radiance)?;
     let densities = last.densities(aim.wi);
     surfaces.push(Between {
@@ -110,19 +113,34 @@ impl Path {
         self.aim.distance.is_infinite()
     }
 
+    /// Density with which the light's own point (or direction, or place in a list) is aimed at from the first surface.
+    fn pdf_aim(&self) -> f64 {
+        let pdf_w = f64::from(self.aim.pdf_w);
+        if self.is_light_far() || self.aim.is_delta {
+            pdf_w
+        } else {
+            pdf_w * f64::from(self.aim.cos_at_endpoint) / square(self.distances[0])
+        }
+    }
+
+    /// Density with which it is started from.
+    fn pdf_start(&self) -> f64 {
+        let (pdf_a, pdf_w) = (self.aim.start.pdf_a, self.aim.start.pdf_w);
+        match self.aim.spread {
+            Spread::Parallel { pdf_a: across } => f64::from(pdf_a / across) * f64::from(pdf_w),
+            Spread::Point { .. } => f64::from(pdf_a),
+        }
+    }
+
     /// Densities of all techniques: without a merge by s, then merges by vertex; zero where one cannot make the path.
     fn densities(&self, eta: f64, light_paths: f64) -> (Vec<f64>, Vec<f64>) {
         let m = self.surfaces.len();
         let v = |i: usize| &self.surfaces[i - 1];
         let across = |spread: Spread, d: f64| f64::from(spread.pdf_a_across(d as f32));
-        // Light subpaths of s vertices. The light's own point (or direction) has the same density for aiming and starting.
+        // Light subpaths of s vertices: for s = 1 the light is aimed at, for s ≥ 2 it is started from.
         let mut light = vec![1.0; m + 3];
-        light[1] = if self.is_light_far() {
-            f64::from(self.aim.pdf_w)
-        } else {
-            f64::from(self.aim.start.pdf_a)
-        };
-        light[2] = light[1] * across(self.aim.spread, self.distances[0]) * v(1).light_cos;
+        light[1] = self.pdf_aim();
+        light[2] = self.pdf_start() * across(self.aim.spread, self.distances[0]) * v(1).light_cos;
         for i in 1..m {
             light[i + 2] =
                 light[i + 1] * v(i).light_pdf * v(i + 1).light_cos / square(self.distances[i]);
@@ -173,6 +191,7 @@ impl Path {
             value: self.aim.value,
             cos: self.aim.cos_at_endpoint,
             densities: self.aim.start,
+            light: 0,
             spread: self.aim.spread,
             on_triangle: None,
             is_delta_position: self.aim.is_delta,
@@ -185,6 +204,10 @@ impl Path {
             let is_far = i == 1 && matches!(self.aim.spread, Spread::Parallel { .. });
             let d2 = if is_far { 1.0 } else { d2(i - 1) };
             partial = weighing.arrive(partial, d2, v(i).light_cos as f32);
+            if i == 1 {
+                let aim_over_start = self.pdf_aim() / self.pdf_start();
+                partial = weighing.choose(partial, aim_over_start as f32);
+            }
             at_light.push(partial);
             let (forward, reverse) = (v(i).light_pdf as f32, v(i).camera_pdf as f32);
             let cos = v(i).camera_cos as f32;
@@ -213,7 +236,7 @@ impl Path {
                 0 => {
                     let cos = self.aim.cos_at_endpoint;
                     let at = weighing.arrive(leaving_for_light, d2(0), cos);
-                    weighing.hit(at, self.aim.start.pdf_a, self.aim.start)
+                    weighing.hit(at, self.pdf_aim() as f32, self.aim.start)
                 }
                 s if s == m + 2 => {
                     if self.camera.is_delta {
@@ -361,7 +384,7 @@ fn check(
 fn running_weights_are_the_written_out_ones() {
     let mut n_specular = 0;
     let mut scenes = studios();
-    for name in ["cornell-glass", "sky", "caustic"] {
+    for name in ["cornell-glass", "sky", "caustic", "many"] {
         scenes.push((name, builtin(name)));
     }
     for (name, scene) in &scenes {
@@ -379,4 +402,43 @@ fn running_weights_are_the_written_out_ones() {
         n_specular > 1000,
         "only {n_specular} paths with a mirror-like vertex"
     );
+}
+
+/// A light's walk begins with the probability of its light to be aimed at from where it lands, over that of being
+/// started from: the two are chosen differently.
+#[test]
+fn walks_from_lights_know_both_choices() {
+    let mut random = Random::new(78);
+    let weighing = Weighing::connections(Heuristic::Power, 1.0);
+    let (mut n_walks, mut n_different) = (0, 0);
+    let mut scenes = studios();
+    scenes.push(("many", builtin("many")));
+    for (name, scene) in &scenes {
+        let lights = scene.lights();
+        for _ in 0..200 {
+            let Some(start) = lights.start(&light_sample(&mut random)) else {
+                continue;
+            };
+            let mut tracer = Tracer::new(scene);
+            let mut walk = Walk::from_light(&start, &weighing);
+            let Some(vertex) = walk.meet(&mut tracer, &weighing) else {
+                continue;
+            };
+            let surface = &vertex.surface;
+            // Where it is aimed at from there, with densities in the same measure.
+            let aimed = lights.pmf_aim(&surface.receiver(), LightChoice::Tree, start.light);
+            let ratio = f64::from(aimed) / f64::from(lights.pmf_start(start.light));
+            let cos = f64::from(surface.cos_g(surface.wo));
+            let across = f64::from(start.spread.pdf_a_across(surface.distance));
+            let expected = square(ratio / (across * cos));
+            let found = f64::from(vertex.partial.d_vcm);
+            assert!(
+                (found / expected - 1.0).abs() < 1e-3,
+                "{name}: {found}, expected {expected}"
+            );
+            n_walks += 1;
+            n_different += usize::from((ratio - 1.0).abs() > 0.1);
+        }
+    }
+    assert!(n_walks > 1000 && n_different > n_walks / 10);
 }

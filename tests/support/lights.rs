@@ -4,11 +4,11 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use glam::{Mat3, Vec2, Vec3};
-use neumann_core::endpoint::Lights;
 use neumann_core::endpoint::light::{
     AreaLight, Bounds, DirectionalLight, Emission, EnvironmentLight, Light, LightSample,
     PointLight, SpotLight, TexturedEmission,
 };
+use neumann_core::endpoint::{Lights, Receiver};
 use neumann_core::material::{ColorSpace, Texture};
 use neumann_core::radiometry::Rgb;
 use neumann_core::scene::description::{
@@ -107,6 +107,12 @@ pub fn environment() -> Arc<EnvironmentDescription> {
 #[must_use]
 pub fn environment_light() -> EnvironmentLight {
     EnvironmentLight::new(&environment(), 1.0).expect("the map is not black")
+}
+
+/// A point that scatters light from wherever it comes.
+#[must_use]
+pub fn anywhere(position: Vec3) -> Receiver {
+    Receiver::new(position, Vec3::Y, true)
 }
 
 /// A scene with one light.

@@ -49,6 +49,20 @@ pub fn studios() -> Vec<(&'static str, Arc<Scene>)> {
     let white = Rgb::splat(4.0);
     let mut everything = lamp(emitter(3.0));
     everything.description.environment = Some(gradient());
+    let mut every_light = lamp(emitter(2.0));
+    every_light.description.environment = Some(gradient());
+    let punctual = [
+        LightKind::Point { intensity: white },
+        LightKind::Spot {
+            intensity: white,
+            inner_cone: 0.3,
+            outer_cone: 0.7,
+        },
+        LightKind::Directional { irradiance: white },
+    ];
+    for (kind, x) in punctual.into_iter().zip([-0.9, 0.2, 0.9]) {
+        every_light.light(kind, Vec3::new(x, 1.4, 0.7), Vec3::new(-x, -1.0, -0.5));
+    }
     [
         ("lamp", lamp(emitter(5.0))),
         ("lamp of two sides", lamp(both_sides)),
@@ -57,6 +71,7 @@ pub fn studios() -> Vec<(&'static str, Arc<Scene>)> {
         ("panes", panes),
         ("veil", veil),
         ("lamp and sky", everything),
+        ("every light", every_light),
         ("point", lit_by(LightKind::Point { intensity: white })),
         (
             "spot",

@@ -47,6 +47,7 @@
 //! - C. Knaus, M. Zwicker, Progressive Photon Mapping: A Probabilistic Approach, ACM TOG 30(3), 2011.
 //! - H. W. Jensen, Realistic Image Synthesis Using Photon Mapping, 2001.
 //! - \[PBR4\] M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering, 4th edition.
+//! - \[Conty & Kulla 2018\] A. Conty Estevez, C. Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, PACM CGIT 1(2).
 //! - \[Burley 2020\] B. Burley, Practical Hash-based Owen Scrambling, JCGT 9(4).
 //! - Ph. Dutré, Global Illumination Compendium, 2003.
 //! - Khronos, glTF 2.0 specification and the KHR extensions named where they are used.

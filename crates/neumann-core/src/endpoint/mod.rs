@@ -13,7 +13,7 @@ mod camera;
 pub mod light;
 
 pub use camera::{Camera, CameraRay, LensHit};
-pub use light::{Light, Lights};
+pub use light::{Light, LightChoice, Lights, Receiver};
 
 use glam::Vec3;
 
@@ -87,6 +87,8 @@ pub struct Start {
     pub densities: StartDensities,
     /// How the rays fan out from here; the choice of the endpoint is not in it.
     pub spread: Spread,
+    /// Which of the lights it is.
+    pub light: usize,
     /// Triangle and barycentric coordinates of the position, if it is on a surface.
     pub on_triangle: Option<(u32, [f32; 2])>,
     /// True where all rays start at one position.
@@ -117,4 +119,6 @@ pub struct Aim {
     pub start: StartDensities,
     /// How the rays of the place aimed at fan out; the choice of the endpoint is not in it.
     pub spread: Spread,
+    /// Probability of choosing this endpoint to start a ray, over that of choosing it to aim at from x.
+    pub start_over_aim: f32,
 }

@@ -127,7 +127,7 @@ impl Integrator for Bidirectional {
                 if walk.bounce() == 0 {
                     add_unlit(tracer, &vertex.surface, sink);
                 }
-                if let Some(found) = hit_emitter(tracer, &vertex, &weighing) {
+                if let Some(found) = hit_emitter(tracer, &walk, &vertex, &weighing) {
                     sink.add(found);
                 }
                 if walk.bounce() == max_bounces {

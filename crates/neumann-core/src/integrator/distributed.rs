@@ -8,6 +8,7 @@
 use super::path_tracing::{add_unlit, connect, hit};
 use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
 use crate::bsdf::TransportMode;
+use crate::endpoint::LightChoice;
 use crate::math::Ray;
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass, Sink};
@@ -161,7 +162,7 @@ impl Distributed {
             let n = if is_first { self.n_light } else { 1 };
             for _ in 0..n {
                 let u = light_sample(sampler);
-                if let Some(aimed) = aim_at_light(tracer, &vertex, medium, &u) {
+                if let Some(aimed) = aim_at_light(tracer, &vertex, medium, LightChoice::Tree, &u) {
                     let value = throughput * aimed.value;
                     sink.add(connect(bounce + 1, value, 1.0 / n as f32));
                 }

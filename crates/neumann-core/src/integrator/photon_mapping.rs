@@ -9,7 +9,7 @@
 //! new map with a smaller radius in each iteration (the probabilistic form of Knaus and Zwicker 2011), so that
 //! the mean converges to the true image.
 
-use crate::endpoint::Aim;
+use crate::endpoint::{Aim, LightChoice};
 use crate::film::{Contribution, PhotonReport, Strategy};
 use crate::integrator::{
     Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
@@ -20,9 +20,8 @@ use crate::photons::{HashGrid, Kernel, Photon};
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass, Sink};
 use crate::sampling::Sampler;
-use crate::sampling::mis::power_heuristic;
 use crate::scene::Scene;
-use crate::transport::reflection::{aim_at_light, light_sample, pdf_w_of_emitter, start_sample};
+use crate::transport::reflection::{Drawn, aim_at_light, light_sample, start_sample};
 use crate::transport::{Medium, SurfaceVertex, Tracer, VertexSample};
 
 use super::bidirectional::{Walk, Weighing};
@@ -162,6 +161,9 @@ const SHOW: Parameter = Parameter {
         options: &["picture", "power", "bounce"],
     },
 };
+
+/// What lights aimed at are chosen by.
+const CHOICE: LightChoice = LightChoice::Tree;
 
 /// Photons that a map has at most; fewer paths are traced where there would be more.
 const MAX_PHOTONS: usize = 12_000_000;
@@ -303,7 +305,8 @@ impl PhotonMapping {
                     ray: camera.ray(sample.raster, sampler.next_2d()).ray,
                     throughput: Rgb::WHITE,
                     medium: Medium::VACUUM,
-                    pdf_w: f32::INFINITY,
+                    drawn: None,
+                    leaves_emitters: false,
                     bounce: 0,
                 };
                 eye.follow(segment, self.n_gather, tracer, sampler, sink, nearest);
@@ -326,8 +329,10 @@ struct Segment {
     ray: Ray,
     throughput: Rgb,
     medium: Medium,
-    /// Density of the ray's direction; infinite where no light could have been aimed at instead.
-    pdf_w: f32,
+    /// Where the ray's direction was drawn; nothing where no light could have been aimed at instead.
+    drawn: Option<Drawn>,
+    /// True where emitters have been aimed at for good.
+    leaves_emitters: bool,
     /// Scattering events so far.
     bounce: u32,
 }
@@ -350,8 +355,8 @@ impl Eye<'_> {
             let Some(vertex) = tracer.vertex(&path.ray) else {
                 let radiance = lights.environment_radiance(path.ray.direction);
                 if !radiance.is_black() {
-                    let (pdf_w_light, _) = lights.environment_densities(path.ray.direction);
-                    let weight = path.weight(pdf_w_light);
+                    let weight =
+                        path.weight(|d| d.mis_weight_of_environment(tracer, path.ray.direction));
                     sink.add(hit(path.bounce, path.throughput * radiance, weight));
                 }
                 return;
@@ -362,7 +367,7 @@ impl Eye<'_> {
             }
             let emitted = tracer.emitted(&vertex);
             if !emitted.is_black() {
-                let weight = path.weight(pdf_w_of_emitter(tracer, &vertex));
+                let weight = path.weight(|d| d.mis_weight(tracer, &vertex));
                 sink.add(hit(path.bounce, path.throughput * emitted, weight));
             }
             if path.bounce == self.max_bounces {
@@ -378,7 +383,7 @@ impl Eye<'_> {
             } else if has_density {
                 // A light aimed at, against running into it.
                 let u = light_sample(sampler);
-                if let Some(aimed) = aim_at_light(tracer, &vertex, path.medium, &u) {
+                if let Some(aimed) = aim_at_light(tracer, &vertex, path.medium, CHOICE, &u) {
                     let value = path.throughput * aimed.value;
                     // Rays of a final gather leave emitters to the light aimed at.
                     let weight = if is_rough { 1.0 } else { aimed.mis_weight() };
@@ -424,7 +429,7 @@ impl Eye<'_> {
             let mut ray = path.beyond(vertex, &sample);
             ray.throughput *= 1.0 / n as f32;
             // Emitters met by these rays have been aimed at already.
-            ray.pdf_w = 0.0;
+            ray.leaves_emitters = true;
             self.follow(ray, 0, tracer, &mut numbers, sink, nearest);
         }
     }
@@ -483,11 +488,11 @@ impl Eye<'_> {
 impl Segment {
     /// MIS weight of light that was run into, against having been aimed at.
     #[inline]
-    fn weight(&self, pdf_w_light: f32) -> f32 {
-        if self.pdf_w == 0.0 {
+    fn weight(&self, of: impl Fn(&Drawn) -> f32) -> f32 {
+        if self.leaves_emitters {
             0.0
         } else {
-            power_heuristic(self.pdf_w, pdf_w_light)
+            self.drawn.as_ref().map_or(1.0, of)
         }
     }
 
@@ -496,11 +501,8 @@ impl Segment {
             ray: vertex.ray(sample.wi),
             throughput: self.throughput * sample.throughput(),
             medium: self.medium.beyond(vertex, sample.wi),
-            pdf_w: if sample.is_delta {
-                f32::INFINITY
-            } else {
-                sample.pdf_w
-            },
+            drawn: Drawn::at(vertex, CHOICE, sample),
+            leaves_emitters: false,
             bounce: self.bounce + 1,
         }
     }

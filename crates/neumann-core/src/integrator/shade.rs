@@ -5,6 +5,7 @@
 
 use super::path_tracing::{add_unlit, connect, hit};
 use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
+use crate::endpoint::LightChoice;
 use crate::render::{Cancelled, Pass};
 use crate::scene::Scene;
 use crate::transport::reflection::{aim_unshadowed, light_sample};
@@ -66,7 +67,7 @@ impl Integrator for Shade {
             for i in 0..n {
                 sampler.start_bounce(i);
                 let u = light_sample(sampler);
-                if let Some((aimed, _)) = aim_unshadowed(tracer, &vertex, &u) {
+                if let Some((aimed, _)) = aim_unshadowed(tracer, &vertex, LightChoice::Tree, &u) {
                     sink.add(connect(1, aimed.value, 1.0 / n as f32));
                 }
             }

@@ -216,7 +216,7 @@ impl Integrator for Vcm {
                     add_unlit(tracer, &vertex.surface, sink);
                 }
                 if has_connections {
-                    if let Some(found) = hit_emitter(tracer, &vertex, &weighing) {
+                    if let Some(found) = hit_emitter(tracer, &walk, &vertex, &weighing) {
                         sink.add(found);
                     }
                 } else if walk.is_specular {

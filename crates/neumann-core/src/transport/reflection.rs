@@ -5,10 +5,14 @@
 //! (choose one, aim at it), or from both, weighed so that the better one counts
 //! ([Veach 1997] ch. 9). The integrators take from here what they need.
 
-use super::{Medium, SurfaceVertex, Tracer};
+use glam::Vec3;
+
+use super::{Medium, SurfaceVertex, Tracer, VertexSample};
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::LightSample;
+use crate::endpoint::{Aim, LightChoice, Receiver};
 use crate::radiometry::Rgb;
+use crate::radiometry::measure::pdf_w_from_pdf_a;
 use crate::sampling::Sampler;
 use crate::sampling::mis::power_heuristic;
 
@@ -48,9 +52,10 @@ pub fn aim_at_light(
     tracer: &mut Tracer<'_>,
     vertex: &SurfaceVertex<'_>,
     medium: Medium,
+    choice: LightChoice,
     u: &LightSample,
 ) -> Option<Aimed> {
-    aim_unshadowed(tracer, vertex, u).and_then(|(aimed, aim)| {
+    aim_unshadowed(tracer, vertex, choice, u).and_then(|(aimed, aim)| {
         let share = tracer.visibility(&vertex.point, &aim);
         if share <= 0.0 {
             return None;
@@ -68,9 +73,10 @@ pub fn aim_at_light(
 pub fn aim_unshadowed(
     tracer: &Tracer<'_>,
     vertex: &SurfaceVertex<'_>,
+    choice: LightChoice,
     u: &LightSample,
-) -> Option<(Aimed, crate::endpoint::Aim)> {
-    let aim = tracer.scene.lights().aim(vertex.point.position, u)?;
+) -> Option<(Aimed, Aim)> {
+    let aim = tracer.scene.lights().aim(&vertex.receiver(), choice, u)?;
     let (f_cos, pdf_w) = vertex.f_cos_and_pdf_w(aim.wi, TransportMode::Radiance)?;
     let pdf_w_bsdf = if aim.is_delta { 0.0 } else { pdf_w };
     let aimed = Aimed {
@@ -81,18 +87,66 @@ pub fn aim_unshadowed(
     Some((aimed, aim))
 }
 
-/// Density, 1/sr, with which a light would have been aimed at where a BSDF sample found it: the emitter at
-/// `vertex`, seen from the vertex before.
+/// A direction drawn from the BSDF of a vertex from which a light could have been aimed at as well.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn {
+    /// The vertex.
+    pub from: Receiver,
+    /// What lights are chosen by there.
+    pub choice: LightChoice,
+    /// Density of the direction, 1/sr.
+    pub pdf_w: f32,
+}
+
+impl Drawn {
+    /// A sample of the vertex; `None` for a mirror-like direction, which no light could have been aimed along.
+    #[inline]
+    #[must_use]
+    pub fn at(
+        vertex: &SurfaceVertex<'_>,
+        choice: LightChoice,
+        sample: &VertexSample,
+    ) -> Option<Self> {
+        (!sample.is_delta).then(|| Self {
+            from: vertex.receiver(),
+            choice,
+            pdf_w: sample.pdf_w,
+        })
+    }
+
+    /// MIS weight of the emitter that the ray has run into, against having been aimed at.
+    #[inline]
+    #[must_use]
+    pub fn mis_weight(&self, tracer: &Tracer<'_>, emitter: &SurfaceVertex<'_>) -> f32 {
+        let pdf_w_light = pdf_w_of_emitter(tracer, self, emitter);
+        power_heuristic(self.pdf_w, pdf_w_light)
+    }
+
+    /// MIS weight of the environment where the ray has left the scene along `direction`, against having been aimed at.
+    #[inline]
+    #[must_use]
+    pub fn mis_weight_of_environment(&self, tracer: &Tracer<'_>, direction: Vec3) -> f32 {
+        let lights = tracer.scene.lights();
+        let (pdf_w_light, _) = lights.environment_densities(&self.from, self.choice, direction);
+        power_heuristic(self.pdf_w, pdf_w_light)
+    }
+}
+
+/// Density, 1/sr, with which a light would have been aimed at where a BSDF sample found it: the emitter, seen from
+/// the vertex before.
 #[inline]
-#[must_use]
-pub fn pdf_w_of_emitter(tracer: &Tracer<'_>, vertex: &SurfaceVertex<'_>) -> f32 {
+fn pdf_w_of_emitter(tracer: &Tracer<'_>, drawn: &Drawn, emitter: &SurfaceVertex<'_>) -> f32 {
     let lights = tracer.scene.lights();
-    match lights.of_triangle(vertex.triangle) {
+    match lights.of_triangle(emitter.triangle) {
         Some((index, light)) => {
-            let pdf_a = lights.pmf(index) * light.pdf_a(vertex.barycentrics);
-            let cos = vertex.cos_g(vertex.wo);
+            let pmf = lights.pmf_aim(&drawn.from, drawn.choice, index);
+            let cos = emitter.cos_g(emitter.wo);
             if cos > 0.0 {
-                pdf_a * vertex.distance * vertex.distance / cos
+                pmf * pdf_w_from_pdf_a(
+                    light.pdf_a(emitter.barycentrics),
+                    cos,
+                    emitter.distance * emitter.distance,
+                )
             } else {
                 0.0
             }

@@ -9,7 +9,7 @@
 use glam::Vec3;
 
 use crate::bsdf::{Bsdf, Scatter, TransportMode};
-use crate::endpoint::SurfacePoint;
+use crate::endpoint::{Receiver, SurfacePoint};
 use crate::material::Material;
 use crate::math::ray::offset_point;
 use crate::math::{Frame, Ray};
@@ -197,6 +197,16 @@ impl SurfaceVertex<'_> {
             pdf_w: sample.pdf_w,
             is_delta: sample.is_delta,
         })
+    }
+
+    /// What the surface is to a light that shines on it. Seen from any direction that light is scattered to from there,
+    /// it is the same.
+    #[inline]
+    #[must_use]
+    pub fn receiver(&self) -> Receiver {
+        let ns = self.frame.z;
+        let normal = if ns.dot(self.wo) < 0.0 { -ns } else { ns };
+        Receiver::new(self.point.position, normal, self.bsdf.is_transmissive())
     }
 
     /// A ray that leaves the surface along `wi`.

@@ -184,6 +184,7 @@ impl Camera {
                     surface: None,
                     start: StartDensities { pdf_a, pdf_w: 1.0 },
                     spread: Spread::Parallel { pdf_a },
+                    start_over_aim: 1.0,
                 },
                 raster,
             ));
@@ -221,6 +222,7 @@ impl Camera {
                 pdf_w: pdf_w_start,
             },
             spread: Spread::Point { pdf_w: pdf_w_start },
+            start_over_aim: 1.0,
         };
         Some((aim, raster))
     }

@@ -3,12 +3,13 @@
 //! It emits from its front, or from both sides. Where a texture varies over it,
 //! it is cut into a grid of smaller triangles that are drawn by their power.
 
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
 use super::LightSample;
+use super::bounds::LightBounds;
 use crate::endpoint::{Aim, Spread, Start, StartDensities, SurfacePoint};
 use crate::material::Texture;
 use crate::math::Frame;
@@ -140,12 +141,31 @@ impl AreaLight {
     }
 
     pub(super) fn power(&self) -> Rgb {
-        let mean = match &self.emission {
+        let sides = if self.is_double_sided { 2.0 } else { 1.0 };
+        self.mean_radiance() * (PI * self.area * sides)
+    }
+
+    pub(super) fn bounds(&self) -> LightBounds {
+        let [a, b, c] = self.corners;
+        let axis = self.ng.normalize_or(Vec3::Z);
+        let intensity = self.mean_radiance().mean() * self.area;
+        LightBounds {
+            min: a.min(b).min(c),
+            max: a.max(b).max(c),
+            axis,
+            theta_o: 0.0,
+            theta_e: FRAC_PI_2,
+            is_two_sided: self.is_double_sided,
+            intensity,
+            vector: axis * intensity,
+        }
+    }
+
+    fn mean_radiance(&self) -> Rgb {
+        match &self.emission {
             Emission::Uniform(radiance) => *radiance,
             Emission::Textured(t) => t.mean,
-        };
-        let sides = if self.is_double_sided { 2.0 } else { 1.0 };
-        mean * (PI * self.area * sides)
+        }
     }
 
     /// Radiance at barycentric coordinates (of the second and third corner) towards `wo`, unit, world.
@@ -219,6 +239,7 @@ impl AreaLight {
                 pdf_w: pdf_w_start,
             },
             spread: Spread::Point { pdf_w: pdf_w_start },
+            start_over_aim: 1.0,
         })
     }
 
@@ -246,6 +267,7 @@ impl AreaLight {
             cos: self.ng.dot(direction).abs(),
             densities: StartDensities { pdf_a, pdf_w },
             spread: Spread::Point { pdf_w },
+            light: 0,
             on_triangle: Some((self.triangle, barycentrics)),
             is_delta_position: false,
             is_delta_direction: false,

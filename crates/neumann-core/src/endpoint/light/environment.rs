@@ -128,6 +128,7 @@ impl EnvironmentLight {
             spread: Spread::Parallel {
                 pdf_a: disk_pdf_a(bounds),
             },
+            start_over_aim: 1.0,
         })
     }
 
@@ -153,6 +154,7 @@ impl EnvironmentLight {
             spread: Spread::Parallel {
                 pdf_a: disk_pdf_a(bounds),
             },
+            light: 0,
             on_triangle: None,
             is_delta_position: false,
             is_delta_direction: false,

@@ -1,18 +1,23 @@
 //! All lights of a scene, and the choice among them.
 
 mod area;
+mod bounds;
+mod build;
+mod choice;
 mod environment;
 mod punctual;
+mod tree;
 
 pub use area::{AreaLight, Emission, TexturedEmission};
+pub use choice::{LightChoice, Receiver};
 pub use environment::EnvironmentLight;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
 
 use glam::Vec3;
 
+use self::choice::Chooser;
 use super::{Aim, Start, StartDensities};
 use crate::radiometry::Rgb;
-use crate::sampling::discrete::AliasTable;
 
 /// The closed set of lights.
 #[derive(Clone, Debug)]
@@ -49,11 +54,11 @@ pub struct LightSample {
     pub direction: [f32; 2],
 }
 
-/// The lights of a scene with the probabilities of choosing them, proportional to power.
+/// The lights of a scene with the probabilities of choosing them.
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
     lights: Vec<Light>,
-    choice: Option<AliasTable>,
+    chooser: Option<Chooser>,
     environment: Option<usize>,
     /// `of_triangle[triangle]`: its light, or `u32::MAX`.
     of_triangle: Vec<u32>,
@@ -75,10 +80,6 @@ impl Lights {
     /// Lights of a scene of `n_triangles` within `bounds`.
     #[must_use]
     pub fn new(lights: Vec<Light>, n_triangles: usize, bounds: Bounds) -> Self {
-        let power: Vec<f64> = lights
-            .iter()
-            .map(|light| f64::from(light.power(bounds).mean()))
-            .collect();
         let mut of_triangle = Vec::new();
         if lights.iter().any(|l| matches!(l, Light::Area(_))) {
             of_triangle = vec![NO_LIGHT; n_triangles];
@@ -89,7 +90,7 @@ impl Lights {
             }
         }
         Self {
-            choice: AliasTable::new(&power),
+            chooser: Chooser::new(&lights, bounds),
             environment: lights
                 .iter()
                 .position(|l| matches!(l, Light::Environment(_))),
@@ -111,10 +112,20 @@ impl Lights {
         self.bounds
     }
 
-    /// Probability of choosing a light.
+    /// Probability with which [`Self::start`] chooses a light: in proportion to its power.
     #[must_use]
-    pub fn pmf(&self, light: usize) -> f32 {
-        self.choice.as_ref().map_or(0.0, |c| c.pmf(light))
+    pub fn pmf_start(&self, light: usize) -> f32 {
+        self.chooser.as_ref().map_or(0.0, |c| c.pmf_by_power(light))
+    }
+
+    /// Probability with which [`Self::aim`] chooses a light. Over all lights they add to one, or to less where the way
+    /// through the tree may end at lights that cannot reach the point.
+    #[must_use]
+    pub fn pmf_aim(&self, from: &Receiver, choice: LightChoice, light: usize) -> f32 {
+        self.chooser.as_ref().map_or(0.0, |c| match choice {
+            LightChoice::Tree => c.pmf_by_tree(from, light),
+            LightChoice::Power => c.pmf_by_power(light),
+        })
     }
 
     /// The light that a triangle is, if any.
@@ -128,27 +139,40 @@ impl Lights {
         }
     }
 
-    /// Chooses a light and aims at it from `x`; `None` means no light this way.
+    /// The light that `u` in [0, 1) falls on, to be aimed at, and its probability; `None` where none can reach the point.
+    #[inline]
+    #[must_use]
+    pub fn choose(&self, from: &Receiver, choice: LightChoice, u: f32) -> Option<(usize, f32)> {
+        let chooser = self.chooser.as_ref()?;
+        match choice {
+            LightChoice::Tree => chooser.by_tree(from, u),
+            LightChoice::Power => Some(chooser.by_power(u)),
+        }
+    }
+
+    /// Chooses a light and aims at it; `None` means no light this way.
     #[inline(always)]
     #[must_use]
-    pub fn aim(&self, x: Vec3, u: &LightSample) -> Option<Aim> {
-        let (index, pmf) = self.choice.as_ref()?.sample(u.choice[0]);
+    pub fn aim(&self, from: &Receiver, choice: LightChoice, u: &LightSample) -> Option<Aim> {
+        let (index, pmf) = self.choose(from, choice, u.choice[0])?;
         let mut aim = match &self.lights[index] {
-            Light::Area(l) => l.aim(x, u),
-            Light::Point(l) => l.aim(x),
-            Light::Spot(l) => l.aim(x),
+            Light::Area(l) => l.aim(from.position, u),
+            Light::Point(l) => l.aim(from.position),
+            Light::Spot(l) => l.aim(from.position),
             Light::Directional(l) => Some(l.aim(self.bounds)),
             Light::Environment(l) => l.aim(u.point, self.bounds),
         }?;
+        let pmf_start = self.pmf_start(index);
         aim.pdf_w *= pmf;
-        aim.start.pdf_a *= pmf;
+        aim.start.pdf_a *= pmf_start;
+        aim.start_over_aim = pmf_start / pmf;
         Some(aim)
     }
 
     /// Chooses a light and starts a ray from it; `None` means no light this way.
     #[must_use]
     pub fn start(&self, u: &LightSample) -> Option<Start> {
-        let (index, pmf) = self.choice.as_ref()?.sample(u.choice[0]);
+        let (index, pmf) = self.chooser.as_ref()?.by_power(u.choice[0]);
         let mut start = match &self.lights[index] {
             Light::Area(l) => l.start(u),
             Light::Point(l) => Some(l.start(u.direction)),
@@ -157,6 +181,7 @@ impl Lights {
             Light::Environment(l) => l.start(u.direction, u.point, self.bounds),
         }?;
         start.densities.pdf_a *= pmf;
+        start.light = index;
         Some(start)
     }
 
@@ -174,16 +199,20 @@ impl Lights {
     /// [`Self::start`] would have sent a ray the other way.
     #[inline]
     #[must_use]
-    pub fn environment_densities(&self, direction: Vec3) -> (f32, StartDensities) {
+    pub fn environment_densities(
+        &self,
+        from: &Receiver,
+        choice: LightChoice,
+        direction: Vec3,
+    ) -> (f32, StartDensities) {
         match self.environment.map(|i| (i, &self.lights[i])) {
             Some((i, Light::Environment(l))) => {
-                let pmf = self.pmf(i);
                 let pdf_w = l.pdf_w(direction);
                 let start = StartDensities {
-                    pdf_a: pmf * disk_pdf_a(self.bounds),
+                    pdf_a: self.pmf_start(i) * disk_pdf_a(self.bounds),
                     pdf_w,
                 };
-                (pmf * pdf_w, start)
+                (self.pmf_aim(from, choice, i) * pdf_w, start)
             }
             _ => (0.0, StartDensities::default()),
         }

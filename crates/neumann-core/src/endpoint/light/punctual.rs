@@ -123,6 +123,7 @@ impl DirectionalLight {
             spread: Spread::Parallel {
                 pdf_a: disk_pdf_a(bounds),
             },
+            start_over_aim: 1.0,
         }
     }
 
@@ -141,6 +142,7 @@ impl DirectionalLight {
             spread: Spread::Parallel {
                 pdf_a: disk_pdf_a(bounds),
             },
+            light: 0,
             on_triangle: None,
             is_delta_position: false,
             is_delta_direction: true,
@@ -175,6 +177,7 @@ fn aim_at_point(
             pdf_w: pdf_w_start,
         },
         spread: Spread::Point { pdf_w: pdf_w_start },
+        start_over_aim: 1.0,
     })
 }
 
@@ -188,6 +191,7 @@ fn start_at_point(position: Vec3, direction: Vec3, intensity: Rgb, pdf_w: f32) -
         cos: 1.0,
         densities: StartDensities { pdf_a: 1.0, pdf_w },
         spread: Spread::Point { pdf_w },
+        light: 0,
         on_triangle: None,
         is_delta_position: true,
         is_delta_direction: false,

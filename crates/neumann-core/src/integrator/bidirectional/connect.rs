@@ -5,7 +5,7 @@ use super::weights::{EndDensities, JointDensities};
 use super::{Vertex, Walk, Weighing};
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::LightSample;
-use crate::endpoint::{Aim, Camera, Start, StartDensities, SurfacePoint};
+use crate::endpoint::{Aim, Camera, LightChoice, Start, StartDensities, SurfacePoint};
 use crate::film::{Contribution, Strategy};
 use crate::radiometry::Rgb;
 use crate::transport::Tracer;
@@ -15,6 +15,7 @@ use glam::Vec2;
 #[inline]
 pub fn hit_emitter(
     tracer: &Tracer<'_>,
+    walk: &Walk,
     vertex: &Vertex<'_>,
     weighing: &Weighing,
 ) -> Option<Contribution> {
@@ -24,16 +25,15 @@ pub fn hit_emitter(
     }
     let lights = tracer.scene.lights();
     let (index, light) = lights.of_triangle(vertex.surface.triangle)?;
-    let mis_weight = if vertex.n_vertices == 2 {
-        1.0
-    } else {
-        let pdf_a = lights.pmf(index) * light.pdf_a(vertex.surface.barycentrics);
+    let mis_weight = walk.receiver.map_or(1.0, |from| {
+        let pdf_a = light.pdf_a(vertex.surface.barycentrics);
         let start = StartDensities {
-            pdf_a,
+            pdf_a: lights.pmf_start(index) * pdf_a,
             pdf_w: light.pdf_w_start(vertex.surface.wo),
         };
-        weighing.hit(vertex.partial, pdf_a, start)
-    };
+        let pdf_a_aim = lights.pmf_aim(&from, LightChoice::Tree, index) * pdf_a;
+        weighing.hit(vertex.partial, pdf_a_aim, start)
+    });
     Some(contribution(
         vertex.throughput * emitted,
         mis_weight,
@@ -53,12 +53,11 @@ pub fn hit_environment(
     if radiance.is_black() {
         return None;
     }
-    let mis_weight = if walk.n_vertices == 1 {
-        1.0
-    } else {
-        let (pdf_aim, start) = lights.environment_densities(walk.ray.direction);
+    let mis_weight = walk.receiver.map_or(1.0, |from| {
+        let (pdf_aim, start) =
+            lights.environment_densities(&from, LightChoice::Tree, walk.ray.direction);
         weighing.hit(walk.partial, pdf_aim, start)
-    };
+    });
     Some(contribution(
         walk.throughput * radiance,
         mis_weight,
@@ -75,7 +74,8 @@ pub fn next_event(
     weighing: &Weighing,
 ) -> Option<Contribution> {
     let surface = &vertex.surface;
-    let aim = tracer.scene.lights().aim(surface.point.position, u)?;
+    let lights = tracer.scene.lights();
+    let aim = lights.aim(&surface.receiver(), LightChoice::Tree, u)?;
     let scattering = surface.scattering(aim.wi, TransportMode::Radiance)?;
     let joint = EndDensities {
         forward: scattering.pdf_w_forward,
@@ -234,9 +234,8 @@ pub fn see_light(
     } else {
         let towards = -start.direction;
         let (ray, raster, importance) = camera.look(towards, u)?;
-        // The probability of choosing this light is in the density of its position, with that of the
-        // disk across the scene, which plays no part here.
-        let (pdf_w, _) = lights.environment_densities(towards);
+        // The density of its position is that of the disk across the scene, which plays no part here.
+        let pdf_w = lights.pmf_start(start.light) * start.densities.pdf_w;
         let value = start.value * (importance / pdf_w);
         (raster, value * tracer.transmittance(&ray))
     };

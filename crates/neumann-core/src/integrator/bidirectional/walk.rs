@@ -7,7 +7,7 @@ use glam::Vec2;
 
 use super::{Partial, Weighing};
 use crate::bsdf::TransportMode;
-use crate::endpoint::{Camera, Spread, Start};
+use crate::endpoint::{Camera, LightChoice, Receiver, Spread, Start};
 use crate::math::Ray;
 use crate::math::ray::offset_point;
 use crate::photons::Photon;
@@ -61,6 +61,10 @@ pub struct Walk {
     pub medium: Medium,
     /// Vertices so far.
     pub n_vertices: u16,
+    /// The latest vertex, as lights see it; nothing at the start.
+    pub receiver: Option<Receiver>,
+    /// The light that it starts at.
+    light: Option<usize>,
     comes_from_infinity: bool,
     /// True while every direction was drawn from a delta lobe.
     pub is_specular: bool,
@@ -80,6 +84,8 @@ impl Walk {
             partial: weighing.of_camera(&start),
             medium: Medium::VACUUM,
             n_vertices: 1,
+            receiver: None,
+            light: None,
             comes_from_infinity: matches!(start.spread, Spread::Parallel { .. }),
             is_specular: true,
         }
@@ -99,6 +105,8 @@ impl Walk {
             partial: weighing.of_light(start),
             medium: Medium::VACUUM,
             n_vertices: 1,
+            receiver: None,
+            light: Some(start.light),
             comes_from_infinity: matches!(start.spread, Spread::Parallel { .. }),
             is_specular: true,
         }
@@ -115,6 +123,13 @@ impl Walk {
             surface.distance * surface.distance
         };
         self.partial = weighing.arrive(self.partial, d2, surface.cos_g(surface.wo));
+        if let Some(light) = self.light.take()
+            && weighing.has_others()
+        {
+            let lights = tracer.scene.lights();
+            let aim = lights.pmf_aim(&surface.receiver(), LightChoice::Tree, light);
+            self.partial = weighing.choose(self.partial, aim / lights.pmf_start(light));
+        }
         self.comes_from_infinity = false;
         self.n_vertices += 1;
         Some(Vertex {
@@ -164,6 +179,7 @@ impl Walk {
             sample.is_delta,
         );
         self.is_specular &= sample.is_delta;
+        self.receiver = Some(vertex.surface.receiver());
         self.medium = self.medium.beyond(&vertex.surface, sample.wi);
         self.ray = vertex.surface.ray(sample.wi);
         true

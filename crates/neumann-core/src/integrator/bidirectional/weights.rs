@@ -121,7 +121,15 @@ impl Weighing {
         }
     }
 
-    /// Quantities of a ray as a light starts it, (31)-(33) without the geometry of the first segment.
+    /// True if techniques compete.
+    #[inline]
+    #[must_use]
+    pub fn has_others(&self) -> bool {
+        self.heuristic != Heuristic::Never
+    }
+
+    /// Quantities of a ray as a light starts it, (31)-(33) without the geometry of the first segment and without the
+    /// choice of the light, see [`Self::choose`].
     #[must_use]
     pub fn of_light(&self, start: &Start) -> Partial {
         let is_delta = start.is_delta_position || start.is_delta_direction;
@@ -157,6 +165,17 @@ impl Weighing {
             d_vcm: (partial.d_vcm * self.of(distance_squared) * over_cos).min(f32::MAX),
             d_vc: (partial.d_vc * over_cos).min(f32::MAX),
             d_vm: (partial.d_vm * over_cos).min(f32::MAX),
+        }
+    }
+
+    /// Quantities at the first vertex that a light subpath meets, where they begin with `p_connect / p_trace`, (31): the
+    /// probability of choosing its light to aim at from there, over that of choosing it to start from.
+    #[inline]
+    #[must_use]
+    pub fn choose(&self, partial: Partial, aim_over_start: f32) -> Partial {
+        Partial {
+            d_vcm: (partial.d_vcm * self.of(aim_over_start)).min(f32::MAX),
+            ..partial
         }
     }
 
@@ -230,7 +249,9 @@ impl Weighing {
         } else {
             self.of(joint.forward / aim.pdf_w)
         };
-        let reached = aim.spread.pdf_a_across(aim.distance) * joint.cos / n;
+        // What starts at the endpoint is chosen otherwise than what aims at it: p_trace / p_connect.
+        let chosen = aim.start_over_aim * aim.spread.pdf_a_across(aim.distance);
+        let reached = chosen * joint.cos / n;
         weight(
             found,
             self.of(reached) * (self.merges + at.d_vcm + at.d_vc * self.of(joint.reverse)),

@@ -4,16 +4,17 @@
 //! is weighed by how well it samples the direction, `w_i = p_i² / (p_1² + p_2²)`
 //! ([Veach 1997] 9.2.3.2). Long paths end by Russian roulette on their throughput.
 
+use crate::endpoint::LightChoice;
 use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass};
-use crate::sampling::mis::power_heuristic;
 use crate::sampling::roulette;
 use crate::scene::Scene;
 use crate::transport::Medium;
-use crate::transport::reflection::{aim_at_light, light_sample, pdf_w_of_emitter};
+use crate::transport::reflection::{Drawn, aim_at_light, light_sample};
 
 use super::bsdf::{MODE, bsdf_numbers};
+use super::nee::{LIGHTS, light_choice};
 use super::{add_unlit, connect, hit};
 
 /// The row of the registry.
@@ -27,21 +28,26 @@ pub static METHOD: Method = Method {
     sight: Sight::FULL,
     bias: None,
     has_techniques: false,
-    parameters: &[Parameter {
-        name: "roulette",
-        title: "Russian roulette",
-        unit: "",
-        about: "End long paths by chance, in proportion to what they could still carry.",
-        kind: ParameterKind::Switch { default: true },
-    }],
+    parameters: &[
+        Parameter {
+            name: "roulette",
+            title: "Russian roulette",
+            unit: "",
+            about: "End long paths by chance, in proportion to what they could still carry.",
+            kind: ParameterKind::Switch { default: true },
+        },
+        LIGHTS,
+    ],
     build: |values: &ParameterValues| {
         Box::new(Mis {
+            choice: light_choice(values),
             has_roulette: values.switch("roulette"),
         })
     },
 };
 
 struct Mis {
+    choice: LightChoice,
     has_roulette: bool,
 }
 
@@ -49,20 +55,20 @@ impl Integrator for Mis {
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
         let max_bounces = pass.max_bounces();
         let camera = pass.camera();
-        let has_roulette = self.has_roulette;
+        let (choice, has_roulette) = (self.choice, self.has_roulette);
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
             let mut ray = camera.ray(raster, sampler.next_2d()).ray;
             let mut throughput = Rgb::WHITE;
             let mut medium = Medium::VACUUM;
-            // Density of the ray's direction; infinite where it could not have been aimed.
-            let mut pdf_w = f32::INFINITY;
+            // Where the ray's direction was drawn; nothing where it could not have been aimed.
+            let mut drawn: Option<Drawn> = None;
             for bounce in 0..=max_bounces {
                 // What does the ray meet? Nothing: the environment emits.
                 let Some(vertex) = tracer.vertex(&ray) else {
                     let radiance = scene.lights().environment_radiance(ray.direction);
                     if !radiance.is_black() {
-                        let (pdf_w_light, _) = scene.lights().environment_densities(ray.direction);
-                        let weight = power_heuristic(pdf_w, pdf_w_light);
+                        let weight = drawn
+                            .map_or(1.0, |d| d.mis_weight_of_environment(tracer, ray.direction));
                         sink.add(hit(bounce, throughput * radiance, weight));
                     }
                     return;
@@ -75,7 +81,7 @@ impl Integrator for Mis {
                 // L_e that was run into, against having been aimed at.
                 let emitted = tracer.emitted(&vertex);
                 if !emitted.is_black() {
-                    let weight = power_heuristic(pdf_w, pdf_w_of_emitter(tracer, &vertex));
+                    let weight = drawn.map_or(1.0, |d| d.mis_weight(tracer, &vertex));
                     sink.add(hit(bounce, throughput * emitted, weight));
                 }
                 if bounce == max_bounces {
@@ -88,7 +94,7 @@ impl Integrator for Mis {
                 // The next event, aimed at, against running into it.
                 if vertex.bsdf.has_density() {
                     let u = light_sample(sampler);
-                    if let Some(aimed) = aim_at_light(tracer, &vertex, medium, &u) {
+                    if let Some(aimed) = aim_at_light(tracer, &vertex, medium, choice, &u) {
                         let value = throughput * aimed.value;
                         sink.add(connect(bounce + 1, value, aimed.mis_weight()));
                     }
@@ -99,11 +105,7 @@ impl Integrator for Mis {
                     return;
                 };
                 throughput *= sample.throughput();
-                pdf_w = if sample.is_delta {
-                    f32::INFINITY
-                } else {
-                    sample.pdf_w
-                };
+                drawn = Drawn::at(&vertex, choice, &sample);
 
                 // Paths that carry little end by chance.
                 if has_roulette && bounce >= roulette::FIRST_BOUNCE {

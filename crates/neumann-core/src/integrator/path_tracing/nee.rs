@@ -5,7 +5,8 @@
 //! that runs into a light counts it only where no light could have been aimed at it:
 //! seen from the camera directly, or by way of a mirror-like direction.
 
-use crate::integrator::{Integrator, Method, ParameterValues, Sight};
+use crate::endpoint::LightChoice;
+use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass};
 use crate::scene::Scene;
@@ -25,16 +26,42 @@ pub static METHOD: Method = Method {
     sight: Sight::FULL,
     bias: None,
     has_techniques: false,
-    parameters: &[],
-    build: |_: &ParameterValues| Box::new(NextEvent),
+    parameters: &[LIGHTS],
+    build: |values: &ParameterValues| {
+        Box::new(NextEvent {
+            choice: light_choice(values),
+        })
+    },
 };
 
-struct NextEvent;
+/// What the light aimed at is chosen by.
+pub(in crate::integrator) const LIGHTS: Parameter = Parameter {
+    name: "lights",
+    title: "Choose lights",
+    unit: "",
+    about: "The light to aim at is chosen by what it may send to the point, found in a tree, or by its power alone.",
+    kind: ParameterKind::Choice {
+        default: 0,
+        options: &["tree", "power"],
+    },
+};
+
+pub(in crate::integrator) fn light_choice(values: &ParameterValues) -> LightChoice {
+    match values.choice(LIGHTS.name) {
+        1 => LightChoice::Power,
+        _ => LightChoice::Tree,
+    }
+}
+
+struct NextEvent {
+    choice: LightChoice,
+}
 
 impl Integrator for NextEvent {
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
         let max_bounces = pass.max_bounces();
         let camera = pass.camera();
+        let choice = self.choice;
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
             let mut ray = camera.ray(raster, sampler.next_2d()).ray;
             let mut throughput = Rgb::WHITE;
@@ -66,7 +93,7 @@ impl Integrator for NextEvent {
                 let u = bsdf_numbers(sampler, bounce);
                 if vertex.bsdf.has_density() {
                     let u = light_sample(sampler);
-                    if let Some(aimed) = aim_at_light(tracer, &vertex, medium, &u) {
+                    if let Some(aimed) = aim_at_light(tracer, &vertex, medium, choice, &u) {
                         sink.add(connect(bounce + 1, throughput * aimed.value, 1.0));
                     }
                 }

@@ -1,0 +1,154 @@
+//! Which light: by power where a path starts, by what it may send to a point where one is aimed at.
+//!
+//! Seen from a point, the lights that have a place are in a tree, and those infinitely far away beside it
+//! (\[PBR4\] 12.6.3).
+
+use glam::Vec3;
+
+use super::bounds::LightBounds;
+use super::build::build;
+use super::tree::{Importances, LightTree};
+use super::{Bounds, Light};
+use crate::sampling::discrete::AliasTable;
+
+/// A point of a surface that lights are aimed at from.
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver {
+    /// World space, metres.
+    pub position: Vec3,
+    /// Shading normal, unit, on the side that light is scattered from.
+    pub normal: Vec3,
+    /// 1 if only light on the side of the normal counts, -1 if light from either side does.
+    pub(super) side: f32,
+}
+
+/// What a light to aim at is chosen by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightChoice {
+    /// By what it may send to the point: a tree over the lights.
+    #[default]
+    Tree,
+    /// By its power alone, wherever the point is.
+    Power,
+}
+
+impl Receiver {
+    /// A point that scatters what comes from the normal's side, or from both sides.
+    #[inline]
+    #[must_use]
+    pub fn new(position: Vec3, normal: Vec3, has_both_sides: bool) -> Self {
+        Self {
+            position,
+            normal,
+            side: if has_both_sides { -1.0 } else { 1.0 },
+        }
+    }
+}
+
+/// The probabilities of lights.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chooser {
+    power: AliasTable,
+    tree: LightTree,
+    /// The lights infinitely far away: over all lights, by power, those of the tree having none.
+    distant: Option<AliasTable>,
+    /// True where a tree would say what power says already.
+    is_one_place: bool,
+}
+
+/// How often it is a light infinitely far away where one of the tree may count as well. What is in the way of either is not
+/// known, so that shares by what both would send there unhindered were worse, measured under skies.
+const DISTANT_SHARE: f32 = 0.5;
+
+impl Chooser {
+    /// `None` if the lights have no power, or more than numbers can hold.
+    pub(super) fn new(lights: &[Light], scene: Bounds) -> Option<Self> {
+        let power: Vec<f64> = lights
+            .iter()
+            .map(|light| f64::from(light.power(scene).mean()))
+            .collect();
+        let choice = AliasTable::new(&power)?;
+        let bounds: Vec<Option<LightBounds>> = lights.iter().map(LightBounds::of).collect();
+        let intensity: f64 = bounds
+            .iter()
+            .flatten()
+            .map(|b| f64::from(b.intensity))
+            .sum();
+        let scale = if intensity > 0.0 {
+            1.0 / intensity
+        } else {
+            1.0
+        };
+        let tree = build(&bounds, scale);
+        let of_distant = |(light, power): (&Light, &f64)| match light {
+            Light::Directional(_) | Light::Environment(_) => *power,
+            _ => 0.0,
+        };
+        let distant: Vec<f64> = lights.iter().zip(&power).map(of_distant).collect();
+        let distant = AliasTable::new(&distant);
+        Some(Self {
+            power: choice,
+            is_one_place: distant.is_none() && tree.is_one_place(),
+            tree,
+            distant,
+        })
+    }
+
+    /// A light chosen by power, and its probability.
+    #[inline]
+    pub(super) fn by_power(&self, u: f32) -> (usize, f32) {
+        self.power.sample(u)
+    }
+
+    /// Probability of a light by power.
+    #[inline]
+    pub(super) fn pmf_by_power(&self, light: usize) -> f32 {
+        self.power.pmf(light)
+    }
+
+    /// A light chosen for a receiver, and its probability; `None` where none can reach it.
+    #[inline]
+    pub(super) fn by_tree(&self, at: &Receiver, u: f32) -> Option<(usize, f32)> {
+        if self.is_one_place {
+            return Some(self.by_power(u));
+        }
+        if self.tree.is_empty() {
+            return self.distant.as_ref().map(|d| d.sample(u));
+        }
+        let root = self.tree.root(at);
+        let Some(distant) = &self.distant else {
+            return self.tree.sample(at, root, u);
+        };
+        let share = distant_share(root);
+        if u < share {
+            let (light, pmf) = distant.sample(u / share);
+            return Some((light, share * pmf));
+        }
+        let u = ((u - share) / (1.0 - share)).min(1.0 - f32::EPSILON);
+        let (light, pmf) = self.tree.sample(at, root, u)?;
+        Some((light, (1.0 - share) * pmf))
+    }
+
+    /// Probability with which [`Self::by_tree`] chooses a light.
+    pub(super) fn pmf_by_tree(&self, at: &Receiver, light: usize) -> f32 {
+        if self.is_one_place {
+            return self.pmf_by_power(light);
+        }
+        if self.tree.is_empty() {
+            return self.distant.as_ref().map_or(0.0, |d| d.pmf(light));
+        }
+        let root = self.tree.root(at);
+        let share = self.distant.as_ref().map_or(0.0, |_| distant_share(root));
+        if self.tree.has(light) {
+            (1.0 - share) * self.tree.pmf(at, root, light)
+        } else {
+            share * self.distant.as_ref().map_or(0.0, |d| d.pmf(light))
+        }
+    }
+}
+
+/// How often it is a light infinitely far away, the importances of the tree being what they are.
+#[inline]
+fn distant_share(tree: Importances) -> f32 {
+    if tree.sum > 0.0 { DISTANT_SHARE } else { 1.0 }
+}

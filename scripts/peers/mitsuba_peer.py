@@ -28,8 +28,8 @@ SIZE_FOR_SPEED = 512
 SIZE_FOR_ERROR = 256
 SEGMENTS = 10
 TARGET = 1e-3
-# Samples of the reference, whose own error is then some twentieth of the target.
-REFERENCE = 4096
+# Samples of the reference, whose own error is then some tenth of the target.
+REFERENCE = 2048
 
 
 def read_glb(path):

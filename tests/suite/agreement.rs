@@ -38,6 +38,8 @@ const N_ITERATIONS: u32 = 8;
 ///   12 million samples under the sky, T3 came to the same within 3 % and T4 within two of its errors of 7 %.
 /// - `lamps`, `caustic`, `pool` and `cornell-glass` are lit by way of shades or smooth glass: paths from the camera meet the
 ///   light hardly ever.
+/// - In `cornell-glass`, T2 holds the mirror's caustic. Over 9 million samples, the six regions of `pt-nee` agreed with
+///   `bdpt` within 2.3 %, and that which 100 000 samples had 25 % too dark within 0.03 %.
 /// - Light paths, too, hit the smooth plates of `plates` in the direction of the lens hardly ever; and those of `sky`
 ///   start anywhere on a disk across the whole ground.
 const HOPELESS: &[(&str, &str, RangeInclusive<usize>)] = &[
@@ -65,8 +67,8 @@ const HOPELESS: &[(&str, &str, RangeInclusive<usize>)] = &[
     ("pt-nee", "pool", 3..=6),
     ("pt-mis", "pool", 3..=6),
     ("pt-bsdf", "cornell-glass", 3..=6),
-    ("pt-nee", "cornell-glass", 3..=6),
-    ("pt-mis", "cornell-glass", 3..=6),
+    ("pt-nee", "cornell-glass", 2..=6),
+    ("pt-mis", "cornell-glass", 2..=6),
 ];
 
 /// Scenes for which paths from the camera alone make no reference, and the method that does: where light passes smooth glass

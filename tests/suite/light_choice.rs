@@ -134,7 +134,8 @@ fn count(family: &mut Family, name: &str, lights: &Lights, at: &Receiver, random
             .map(|p| p * N_SAMPLES as f64)
             .collect();
         if rest == 0.0 {
-            assert!(counts[n] == 0.0, "{name}: no light {} times", counts[n]);
+            // The sum is known to 1e-5, which is two of the samples: more than twelve are beyond chance.
+            assert!(counts[n] <= 12.0, "{name}: no light {} times", counts[n]);
         }
         if expected.iter().filter(|e| **e > 0.0).count() < 2 {
             continue;

@@ -19,6 +19,7 @@ use neumann_picture::tone::{Display, ToneCurve};
 
 use crate::console;
 use crate::failure::{OrBadInput, Outcome, bad_input};
+use crate::progress::while_waiting;
 
 pub(crate) use parse::{positive, size};
 
@@ -155,7 +156,8 @@ pub(crate) fn open_scene(
     let options = LoadOptions {
         allow_outside: load.allow_outside,
     };
-    let mut description = scene::open(name, &options).or_bad_input()?;
+    let mut description =
+        while_waiting(&format!("reading {name}"), || scene::open(name, &options)).or_bad_input()?;
     if let Some(path) = &environment.env {
         description.environment = Some(load_environment(path).or_bad_input()?);
     }
@@ -172,7 +174,13 @@ pub(crate) fn open_scene(
             map.rotation = degrees.to_radians();
         }
     }
-    let scene = Scene::build(&description);
+    let n_triangles: usize = description
+        .instances
+        .iter()
+        .filter_map(|i| Some(description.meshes.get(i.mesh)?.triangles.len()))
+        .sum();
+    let building = format!("building trees over {n_triangles} triangles");
+    let scene = while_waiting(&building, || Scene::build(&description));
     for warning in scene.warnings() {
         console::note(&format!("warning: {warning}"));
     }

@@ -18,6 +18,24 @@ pub(crate) struct Standing {
     pub(crate) error: Option<f64>,
 }
 
+/// Says what is being waited for, and for how long, where somebody watches.
+pub(crate) fn while_waiting<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    let spinner = console::is_watched().then(|| {
+        let spinner = ProgressBar::new_spinner();
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
+            spinner.set_style(style);
+        }
+        spinner.set_message(what.to_owned());
+        spinner.enable_steady_tick(Duration::from_millis(100));
+        spinner
+    });
+    let done = work();
+    if let Some(spinner) = spinner {
+        spinner.finish_and_clear();
+    }
+    done
+}
+
 /// Shows how rendering is going.
 pub(crate) struct Progress {
     goal: Goal,

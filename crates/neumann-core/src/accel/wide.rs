@@ -61,7 +61,7 @@ const EMPTY_NODE: Node = Node {
 };
 
 /// How a subtree is best represented by at most j roots.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Choice {
     /// As one leaf.
     Leaf,

@@ -28,7 +28,6 @@ pub(super) fn geometry(
         default_material,
         warnings,
         meshes: Vec::new(),
-        facets: Vec::new(),
         corners: Vec::new(),
     };
     let (shared, single): (Vec<_>, Vec<_>) = {
@@ -72,7 +71,6 @@ struct Builder<'a> {
     default_material: usize,
     warnings: &'a mut Vec<String>,
     meshes: Vec<PlacedMesh>,
-    facets: Vec<Facet>,
     corners: Vec<[Vec3; 3]>,
 }
 
@@ -86,12 +84,9 @@ impl Builder<'_> {
             return;
         };
         placed.first_triangle = self.corners.len() as u32;
-        let number = self.meshes.len() as u32;
-        for triangle in &placed.arrays.triangles {
-            let of_triangle = placed.corners(triangle.map(|v| v as usize));
-            self.corners.push(of_triangle);
-            self.facets.push(Facet::new(&of_triangle, number));
-        }
+        let triangles = placed.arrays.triangles.iter();
+        self.corners
+            .extend(triangles.map(|t| placed.corners(t.map(|v| v as usize))));
         self.meshes.push(placed);
     }
 
@@ -170,10 +165,18 @@ impl Builder<'_> {
                 arrays.as_ref().map_or_else(Vec::new, corners)
             })
             .collect();
+        let bvh = Bvh::with_instances(&self.corners, &mesh_corners, &placements);
+        // Only now, as the tree takes most memory while it is built.
+        let mut facets = Vec::with_capacity(self.corners.len());
+        for (number, mesh) in self.meshes[..first_instance].iter().enumerate() {
+            let first = mesh.first_triangle as usize;
+            let corners = &self.corners[first..first + mesh.arrays.triangles.len()];
+            facets.extend(corners.iter().map(|c| Facet::new(c, number as u32)));
+        }
         Geometry {
-            bvh: Bvh::with_instances(&self.corners, &mesh_corners, &placements),
+            bvh,
             meshes: self.meshes,
-            facets: self.facets,
+            facets,
             first_instance,
             n_triangles,
             min,

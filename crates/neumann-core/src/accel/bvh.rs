@@ -152,7 +152,7 @@ impl Hit {
 pub(super) fn build_params(n: usize) -> BvhBuildParams {
     BvhBuildParams {
         pre_split: false,
-        reinsertion_batch_ratio: if n > 500_000 { 0.2 } else { 0.5 },
+        reinsertion_batch_ratio: if n > 500_000 { 0.15 } else { 0.5 },
         post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
         max_prims_per_leaf: 1,
         ..BvhBuildParams::medium_build()

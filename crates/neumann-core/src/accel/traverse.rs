@@ -9,6 +9,7 @@
 //! Of two triangles at the same distance the one with the lower index is hit: the answer does
 //! not depend on the shape of the tree.
 
+use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 
 use super::Hit;
@@ -70,15 +71,22 @@ pub(super) trait Kernel {
     fn prefetch(tree: &WideTree, child: u32);
 }
 
-/// Walks the nodes whose boxes the ray meets before `end`, nearest first; `visit` is told the index of each leaf and may move
-/// the end nearer.
+/// What is done at the leaves of a tree. Not a closure, since those cannot be made to be inlined, and vector
+/// instructions must be.
+trait Visitor {
+    /// Looks into a leaf that the ray meets before `end`, and yields where the ray ends now.
+    fn visit(&mut self, leaf: usize, end: f32) -> f32;
+}
+
+/// The same where any hit will do.
+trait AnyVisitor {
+    /// True if the ray is stopped in the leaf.
+    fn stops(&self, leaf: usize) -> bool;
+}
+
+/// Walks the nodes whose boxes the ray meets before `end`, nearest first.
 #[inline(always)]
-fn walk<K: Kernel>(
-    tree: &WideTree,
-    prepared: &Prepared,
-    mut end: f32,
-    mut visit: impl FnMut(usize, &mut f32),
-) {
+fn walk<K: Kernel>(tree: &WideTree, prepared: &Prepared, mut end: f32, visitor: &mut impl Visitor) {
     let mut stack = Stack::new();
     let mut current = 0u32;
     loop {
@@ -105,7 +113,7 @@ fn walk<K: Kernel>(
                 continue;
             }
         } else {
-            visit((current & !LEAF) as usize, &mut end);
+            end = visitor.visit((current & !LEAF) as usize, end);
         }
         loop {
             let Some(entry) = stack.pop() else {
@@ -119,13 +127,13 @@ fn walk<K: Kernel>(
     }
 }
 
-/// Walks the nodes whose boxes the ray meets, in any order, until `visit` says true of a leaf; true if it did.
+/// Walks the nodes whose boxes the ray meets, in any order, until a leaf stops it; true if one did.
 #[inline(always)]
 fn walk_until<K: Kernel>(
     tree: &WideTree,
     prepared: &Prepared,
     end: f32,
-    mut visit: impl FnMut(usize) -> bool,
+    visitor: &impl AnyVisitor,
 ) -> bool {
     let mut stack = Stack::new();
     let mut current = 0u32;
@@ -139,7 +147,7 @@ fn walk_until<K: Kernel>(
                 K::prefetch(tree, node.children[lane]);
                 stack.push(u64::from(node.children[lane]));
             }
-        } else if visit((current & !LEAF) as usize) {
+        } else if visitor.stops((current & !LEAF) as usize) {
             return true;
         }
         let Some(entry) = stack.pop() else {
@@ -153,37 +161,27 @@ fn walk_until<K: Kernel>(
 #[inline(always)]
 pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &Ray) -> Option<Hit> {
     let prepared = Prepared::new(ray);
-    let mut best = Hit::none_before(ray.t_max);
-    walk::<K>(tree, &prepared, ray.t_max, |leaf, end| {
-        let leaf = &tree.leaves[leaf];
-        let lanes = K::meet_triangles(leaf, &prepared, *end);
-        let mut mask = lanes.mask;
-        while mask != 0 {
-            let lane = mask.trailing_zeros() as usize & (LEAF_SIZE - 1);
-            mask &= mask - 1;
-            let hit = Hit {
-                t: lanes.t[lane],
-                triangle: leaf.triangles[lane],
-                barycentrics: [lanes.v[lane], lanes.w[lane]],
-            };
-            if hit.is_before(&best) {
-                best = hit;
-                *end = hit.t;
-            }
-        }
-    });
-    best.is_there().then_some(best)
+    let mut triangles = Triangles::<K> {
+        tree,
+        prepared: &prepared,
+        best: Hit::none_before(ray.t_max),
+        kernel: PhantomData,
+    };
+    walk::<K>(tree, &prepared, ray.t_max, &mut triangles);
+    triangles.best.is_there().then_some(triangles.best)
 }
 
 /// True if the ray meets any triangle before its end.
 #[inline(always)]
 pub(super) fn any<K: Kernel>(tree: &WideTree, ray: &Ray) -> bool {
     let prepared = Prepared::new(ray);
-    walk_until::<K>(tree, &prepared, ray.t_max, |leaf| {
-        let lanes = K::meet_triangles(&tree.leaves[leaf], &prepared, ray.t_max);
-        // A hit at the very end does not count.
-        (0..LEAF_SIZE).any(|lane| lanes.mask >> lane & 1 != 0 && lanes.t[lane] < ray.t_max)
-    })
+    let triangles = Triangles::<K> {
+        tree,
+        prepared: &prepared,
+        best: Hit::none_before(ray.t_max),
+        kernel: PhantomData,
+    };
+    walk_until::<K>(tree, &prepared, ray.t_max, &triangles)
 }
 
 /// The first triangle of an instance that the ray meets, if it is before `found`.
@@ -193,29 +191,99 @@ pub(super) fn closest_of_instances<K: Kernel>(
     ray: &Ray,
     found: Option<Hit>,
 ) -> Option<Hit> {
-    let mut best = found.unwrap_or(Hit::none_before(ray.t_max));
-    walk::<K>(&instances.tree, &Prepared::new(ray), best.t, |leaf, end| {
-        let instance = &instances.instances[leaf];
-        let inside = instance.ray_inside(ray, *end);
-        if let Some(mut hit) = closest::<K>(&instances.meshes[instance.mesh], &inside) {
-            hit.triangle += instance.first_triangle;
-            if hit.is_before(&best) {
-                best = hit;
-                *end = hit.t;
-            }
-        }
-    });
-    best.is_there().then_some(best)
+    let mut inside = Inside::<K> {
+        instances,
+        ray,
+        best: found.unwrap_or(Hit::none_before(ray.t_max)),
+        kernel: PhantomData,
+    };
+    let (prepared, end) = (Prepared::new(ray), inside.best.t);
+    walk::<K>(&instances.tree, &prepared, end, &mut inside);
+    inside.best.is_there().then_some(inside.best)
 }
 
 /// True if the ray meets any triangle of an instance before its end.
 #[inline(always)]
 pub(super) fn any_of_instances<K: Kernel>(instances: &Instances, ray: &Ray) -> bool {
-    walk_until::<K>(&instances.tree, &Prepared::new(ray), ray.t_max, |leaf| {
-        let instance = &instances.instances[leaf];
-        let inside = instance.ray_inside(ray, ray.t_max);
-        any::<K>(&instances.meshes[instance.mesh], &inside)
-    })
+    let inside = Inside::<K> {
+        instances,
+        ray,
+        best: Hit::none_before(ray.t_max),
+        kernel: PhantomData,
+    };
+    walk_until::<K>(&instances.tree, &Prepared::new(ray), ray.t_max, &inside)
+}
+
+/// The triangles of a leaf.
+struct Triangles<'a, K> {
+    tree: &'a WideTree,
+    prepared: &'a Prepared,
+    best: Hit,
+    kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Visitor for Triangles<'_, K> {
+    #[inline(always)]
+    fn visit(&mut self, leaf: usize, end: f32) -> f32 {
+        let leaf = &self.tree.leaves[leaf];
+        let lanes = K::meet_triangles(leaf, self.prepared, end);
+        let mut mask = lanes.mask;
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize & (LEAF_SIZE - 1);
+            mask &= mask - 1;
+            let hit = Hit {
+                t: lanes.t[lane],
+                triangle: leaf.triangles[lane],
+                barycentrics: [lanes.v[lane], lanes.w[lane]],
+            };
+            if hit.is_before(&self.best) {
+                self.best = hit;
+            }
+        }
+        self.best.t
+    }
+}
+
+impl<K: Kernel> AnyVisitor for Triangles<'_, K> {
+    #[inline(always)]
+    fn stops(&self, leaf: usize) -> bool {
+        let end = self.best.t;
+        let lanes = K::meet_triangles(&self.tree.leaves[leaf], self.prepared, end);
+        // A hit at the very end does not count.
+        (0..LEAF_SIZE).any(|lane| lanes.mask >> lane & 1 != 0 && lanes.t[lane] < end)
+    }
+}
+
+/// The mesh of an instance.
+struct Inside<'a, K> {
+    instances: &'a Instances,
+    ray: &'a Ray,
+    best: Hit,
+    kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Visitor for Inside<'_, K> {
+    #[inline(always)]
+    fn visit(&mut self, leaf: usize, end: f32) -> f32 {
+        let instance = &self.instances.instances[leaf];
+        let inside = instance.ray_inside(self.ray, end);
+        if let Some(mut hit) = closest::<K>(&self.instances.meshes[instance.mesh], &inside) {
+            hit.triangle += instance.first_triangle;
+            if hit.is_before(&self.best) {
+                self.best = hit;
+            }
+        }
+        self.best.t
+    }
+}
+
+impl<K: Kernel> AnyVisitor for Inside<'_, K> {
+    #[inline(always)]
+    fn stops(&self, leaf: usize) -> bool {
+        let instance = &self.instances.instances[leaf];
+        let inside = instance.ray_inside(self.ray, self.best.t);
+        any::<K>(&self.instances.meshes[instance.mesh], &inside)
+    }
 }
 
 impl Prepared {

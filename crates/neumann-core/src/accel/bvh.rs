@@ -287,7 +287,11 @@ mod tests {
                     let mut sampler = Sampler::new(5, i, 0);
                     let origin = warp::uniform_sphere(sampler.next_2d()) * (0.5 * scale);
                     let triangle = &triangles[i as usize % triangles.len()];
-                    let along = if i % 2 == 0 { 0.0 } else { sampler.next_1d() };
+                    let along = if i.is_multiple_of(2) {
+                        0.0
+                    } else {
+                        sampler.next_1d()
+                    };
                     let target = triangle[0] + (triangle[1] - triangle[0]) * along;
                     let ray = Ray::new(origin, (target - origin).normalize());
                     bvh.closest_hit(&ray).is_none() || !bvh.is_occluded(&ray)

@@ -122,11 +122,12 @@ mod tests {
     fn every_dimension_is_stratified() {
         for columns in &COLUMNS {
             for lane in 0..2 * N_PAIRS {
+                let column = columns.map(|column| column[lane]);
                 let mut seen = [false; 256];
                 for index in 0..256u32 {
                     let point = (0..8)
                         .filter(|bit| index >> bit & 1 == 1)
-                        .fold(0, |sum, bit| sum ^ columns[bit][lane]);
+                        .fold(0, |sum, bit| sum ^ column[bit]);
                     let cell = (point.reverse_bits() >> 24) as usize;
                     assert!(!std::mem::replace(&mut seen[cell], true));
                 }

@@ -3,12 +3,17 @@
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Quat, Vec3, Vec4};
 use neumann_core::integrator::METHODS;
+use neumann_core::math::Ray;
 use neumann_core::radiometry::Rgb;
 use neumann_core::scene::Scene;
 use neumann_core::scene::builtin::BUILTINS;
-use neumann_core::scene::description::{LightKind, MeshDescription, SceneDescription};
+use neumann_core::scene::description::{
+    InstanceDescription, LightKind, MeshDescription, SceneDescription,
+};
+use neumann_core::transport::{SurfaceVertex, Tracer};
+use neumann_tests::random::Random;
 use neumann_tests::renders::{Setup, is_black};
 use neumann_tests::scenes::{
     Stage, ball, builtin, builtin_description, emitter, lambert, looking, rectangle, room, scaled,
@@ -337,4 +342,104 @@ fn place_hardly_matters() {
             mean[1]
         );
     }
+}
+
+/// Meshes that are kept once for all their instances look as if each were there by itself: the same ray meets the same
+/// point, with the same normals, colour and triangle, also where a transform mirrors and stretches.
+#[test]
+fn instances_look_like_copies() {
+    let shape = ball(0.4);
+    let n_vertices = shape.positions.len();
+    // As many of it as make a mesh worth keeping once.
+    let n_parts = 30_000 / shape.triangles.len();
+    let mut mesh = MeshDescription {
+        name: "beads".to_owned(),
+        material: Some(0),
+        colors: Some(Vec::new()),
+        normals: Some(Vec::new()),
+        ..MeshDescription::default()
+    };
+    let mut random = Random::new(77);
+    for part in 0..n_parts {
+        let [x, y] = random.pair();
+        let shift = Vec3::new(x, y, random.pair()[0]) * 4.0 - 2.0;
+        let first = (part * n_vertices) as u32;
+        let positions = shape.positions.iter();
+        mesh.positions.extend(positions.map(|p| *p * 0.2 + shift));
+        if let Some(normals) = &mut mesh.normals {
+            normals.extend(shape.positions.iter().map(|p| p.normalize()));
+        }
+        if let Some(colors) = &mut mesh.colors {
+            let color = Vec4::new(x, y, 0.5, 1.0);
+            colors.extend(std::iter::repeat_n(color, n_vertices));
+        }
+        let triangles = shape.triangles.iter();
+        mesh.triangles
+            .extend(triangles.map(|t| t.map(|v| v + first)));
+    }
+    let mut shared = SceneDescription {
+        materials: vec![lambert(0.8)],
+        meshes: vec![mesh.clone()],
+        ..SceneDescription::default()
+    };
+    let mut copied = SceneDescription {
+        meshes: Vec::new(),
+        ..shared.clone()
+    };
+    for i in 0..10 {
+        let [x, y] = random.pair();
+        let world_from_mesh = Mat4::from_scale_rotation_translation(
+            Vec3::new(if i % 3 == 0 { -1.0 } else { 1.2 }, 0.7, 1.0),
+            Quat::from_rotation_y(6.0 * x) * Quat::from_rotation_x(6.0 * y),
+            Vec3::new(8.0 * x - 4.0, 8.0 * y - 4.0, i as f32),
+        );
+        let instance = |mesh| InstanceDescription {
+            name: format!("number {i}"),
+            mesh,
+            world_from_mesh,
+        };
+        shared.instances.push(instance(0));
+        copied.instances.push(instance(i));
+        copied.meshes.push(mesh.clone());
+    }
+    let [shared, copied] = [shared, copied].map(|d| Scene::build(&d));
+    assert_eq!(shared.statistics(), copied.statistics());
+    let bytes = [&shared, &copied].map(|scene| scene.geometry().bvh().n_bytes());
+    assert!(bytes[0] * 5 < bytes[1], "{bytes:?} bytes");
+
+    let [mut ours, mut theirs] = [&shared, &copied].map(Tracer::new);
+    let (mut n_hits, mut n_other) = (0, 0);
+    for _ in 0..20_000 {
+        let ([a, b], [c, d]) = (random.pair(), random.pair());
+        let origin = Vec3::new(20.0 * a - 10.0, 20.0 * b - 10.0, -12.0);
+        let target = Vec3::new(8.0 * c - 4.0, 8.0 * d - 4.0, 5.0);
+        let ray = Ray::new(origin, (target - origin).normalize());
+        match (ours.vertex(&ray), theirs.vertex(&ray)) {
+            (Some(x), Some(y)) if x.triangle == y.triangle => {
+                n_hits += 1;
+                assert!(x.point.position.abs_diff_eq(y.point.position, 1e-3));
+                // At one point of the facet, since a grazing ray's is known less well.
+                let [x, y] = [&ours, &theirs].map(|t| t.surface_at(x.triangle, [0.2, 0.5], x.wo));
+                // The facets are millimetres wide, and their corners rounded to a micrometre, ten metres away.
+                let close = |a: Vec3, b: Vec3| a.abs_diff_eq(b, 1e-2);
+                assert!(x.point.position.abs_diff_eq(y.point.position, 1e-5));
+                assert!(
+                    close(x.point.ng, y.point.ng),
+                    "{} {}",
+                    x.point.ng,
+                    y.point.ng
+                );
+                assert!(close(x.frame.z, y.frame.z), "{} {}", x.frame.z, y.frame.z);
+                let albedo = |v: &SurfaceVertex<'_>| v.bsdf.albedo(1.0).to_array();
+                assert!(close(albedo(&x).into(), albedo(&y).into()));
+            }
+            (None, None) => {}
+            // Rounding decides at edges.
+            _ => n_other += 1,
+        }
+    }
+    assert!(
+        n_hits > 2000 && n_other * 200 < n_hits,
+        "{n_hits}, {n_other}"
+    );
 }

@@ -377,6 +377,12 @@ fn instances_look_like_copies() {
         mesh.triangles
             .extend(triangles.map(|t| t.map(|v| v + first)));
     }
+    // A vertex that no triangle uses may be anywhere.
+    mesh.positions.push(Vec3::NAN);
+    if let (Some(normals), Some(colors)) = (&mut mesh.normals, &mut mesh.colors) {
+        normals.push(Vec3::Y);
+        colors.push(Vec4::ONE);
+    }
     let mut shared = SceneDescription {
         materials: vec![lambert(0.8)],
         meshes: vec![mesh.clone()],
@@ -406,6 +412,8 @@ fn instances_look_like_copies() {
     assert_eq!(shared.statistics(), copied.statistics());
     let bytes = [&shared, &copied].map(|scene| scene.geometry().bvh().n_bytes());
     assert!(bytes[0] * 5 < bytes[1], "{bytes:?} bytes");
+    let bounds = shared.bounds();
+    assert!(bounds.0.is_finite() && bounds.1.is_finite(), "{bounds:?}");
 
     let [mut ours, mut theirs] = [&shared, &copied].map(Tracer::new);
     let (mut n_hits, mut n_other) = (0, 0);

@@ -102,13 +102,6 @@ impl Builder<'_> {
         for instance in shared {
             let placement = MeshPlacement::new(instance.world_from_mesh);
             let mesh = &self.description.meshes[instance.mesh];
-            if !is_sound_transform(&placement) {
-                self.warnings.push(format!(
-                    "node '{}': its transform is not finite, flat, or goes beyond 1e9 m; left out",
-                    instance.name
-                ));
-                continue;
-            }
             let number = *numbers
                 .entry((instance.mesh, placement.is_mirrored))
                 .or_insert_with(|| {
@@ -127,7 +120,9 @@ impl Builder<'_> {
                 ));
                 continue;
             }
-            let (low, high) = bounds_of(shared.positions.iter().copied());
+            // Of its triangles: vertices that none of them uses may be anywhere.
+            let used = shared.triangles.iter().flatten();
+            let (low, high) = bounds_of(used.map(|v| shared.positions[*v as usize]));
             let box_corners = (0..8).map(|i| {
                 let pick = |bit, low, high| if i & bit == 0 { low } else { high };
                 placement.world_from_mesh.transform_point3(Vec3::new(
@@ -137,6 +132,13 @@ impl Builder<'_> {
                 ))
             });
             let (low, high) = bounds_of(box_corners);
+            if !is_sound(&placement, low, high) {
+                self.warnings.push(format!(
+                    "node '{}': its transform is not finite, flat, or goes beyond 1e9 m; left out",
+                    instance.name
+                ));
+                continue;
+            }
             (min, max) = (min.min(low), max.max(high));
             placements.push(Placement {
                 mesh: number,
@@ -191,11 +193,11 @@ fn bounds_of(points: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {
     })
 }
 
-fn is_sound_transform(placement: &MeshPlacement) -> bool {
-    let inverse = placement.world_from_mesh.inverse();
+/// True if rays can be taken into the instance and back, and the box around it is where rays are exact enough.
+fn is_sound(placement: &MeshPlacement, low: Vec3, high: Vec3) -> bool {
     placement.world_from_mesh.is_finite()
-        && inverse.is_finite()
-        && placement.world_from_mesh.translation.abs().max_element() <= LARGEST_COORDINATE
+        && placement.world_from_mesh.inverse().is_finite()
+        && low.abs().max(high.abs()).max_element() <= LARGEST_COORDINATE
 }
 
 fn name_of<'a>(instance: &'a InstanceDescription, mesh: &'a MeshDescription) -> &'a String {

@@ -129,18 +129,12 @@ impl SurfaceVertex<'_> {
     #[inline]
     #[must_use]
     pub fn scattering(&self, wi: Vec3, mode: TransportMode) -> Option<Scattering> {
-        if !self.sides_agree(wi) {
-            return None;
-        }
+        let (f_cos, pdf_w_forward) = self.f_cos_and_pdf_w(wi, mode)?;
         let wo_local = self.frame.local_from_world(self.wo);
         let wi_local = self.frame.local_from_world(wi);
-        let f = self.bsdf.eval(wo_local, wi_local, mode);
-        if f.is_black() {
-            return None;
-        }
         Some(Scattering {
-            f_cos: f * (wi_local.z.abs() * self.normal_correction(wi, mode)),
-            pdf_w_forward: self.bsdf.pdf_w(wo_local, wi_local, mode),
+            f_cos,
+            pdf_w_forward,
             pdf_w_reverse: self.bsdf.pdf_w(wi_local, wo_local, mode.reversed()),
         })
     }

@@ -1,9 +1,9 @@
 //! Finds what a ray meets.
 //!
 //! obvhs builds a binary tree; `wide` collapses it into nodes of eight children and
-//! leaves of four triangles; `traverse` walks it. The code that does so is written once, over
-//! fixed-size arrays, and compiled twice: for any processor, and for those with AVX2 and
-//! FMA, chosen when the tree is built.
+//! leaves of four triangles; `traverse` walks it. The two tests that it asks for, of boxes and of triangles, are
+//! written over arrays for any processor (`portable`) and in vectors for those with AVX2 (`avx2`), chosen when the
+//! tree is built. `instances` is for meshes that stand in the world many times.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

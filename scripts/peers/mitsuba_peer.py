@@ -1,12 +1,17 @@
 """neumann beside Mitsuba 3: the same scenes, size, depth and threads, in one run.
 
-    python mitsuba_peer.py NEUMANN SCENES_FOLDER ROUNDS
+    python mitsuba_peer.py NEUMANN SCENES_FOLDER ROUNDS [SCENE...]
 
-Prints a table. Scenes are read from their .glb files by the few lines below, which understand what the built-in
-scenes use: Lambert, mirrors, rough metal, smooth glass, emission. Both programs trace paths of at most ten segments;
-speeds are compared without Russian roulette, times to an error with each program's own default for it.
+Prints a table. SCENE is the name of a built-in scene, or a .gltf or .glb file; without any, speeds are compared first, and
+then a few built-in scenes. Files are read by the few lines below, which understand what the built-in scenes use (Lambert,
+mirrors, rough metal, smooth glass, emission) and metal-rough materials with a texture of base colour, for which Mitsuba's
+principled BSDF stands in. A scene without a camera is seen as neumann sees it, one without lights under a white sky.
+
+Both programs trace paths of at most ten segments; speeds are compared without Russian roulette, times to an error with
+each program's own default for it, each against a mean of many samples.
 """
 
+import base64
 import json
 import math
 import os
@@ -16,6 +21,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import urllib.parse
 
 import mitsuba as mi
 import numpy as np
@@ -30,15 +36,28 @@ SEGMENTS = 10
 TARGET = 1e-3
 # Samples of the reference, whose own error is then some tenth of the target.
 REFERENCE = 2048
+MOST_SAMPLES = 2048
 
 
-def read_glb(path):
+def read_gltf(path):
+    """The JSON and the bytes of each buffer."""
     raw = open(path, "rb").read()
-    (n,) = struct.unpack_from("<I", raw, 12)
-    return json.loads(raw[20 : 20 + n]), raw[28 + n :]
+    blob = b""
+    if raw[:4] == b"glTF":
+        (n,) = struct.unpack_from("<I", raw, 12)
+        doc, blob = json.loads(raw[20 : 20 + n]), raw[28 + n :]
+    else:
+        doc = json.loads(raw)
+    return doc, [resource(path, buffer["uri"]) if "uri" in buffer else blob for buffer in doc.get("buffers", [])]
 
 
-def accessor(doc, blob, index):
+def resource(path, uri):
+    if uri.startswith("data:"):
+        return base64.b64decode(uri.split(",", 1)[1])
+    return open(os.path.join(os.path.dirname(path), urllib.parse.unquote(uri)), "rb").read()
+
+
+def accessor(doc, buffers, index):
     a = doc["accessors"][index]
     view = doc["bufferViews"][a["bufferView"]]
     kind = {5126: "<f4", 5125: "<u4", 5123: "<u2", 5121: "u1"}[a["componentType"]]
@@ -46,7 +65,7 @@ def accessor(doc, blob, index):
     item = np.dtype(kind).itemsize * width
     start = view.get("byteOffset", 0) + a.get("byteOffset", 0)
     strides = (view.get("byteStride", item), np.dtype(kind).itemsize)
-    return np.ndarray((a["count"], width), kind, blob, start, strides).copy()
+    return np.ndarray((a["count"], width), kind, buffers[view["buffer"]], start, strides).copy()
 
 
 def transform(node):
@@ -68,11 +87,36 @@ def rgb(values):
     return {"type": "rgb", "value": [float(v) for v in values[:3]]}
 
 
-def bsdf(material):
+def bitmap(path, doc, buffers, index):
+    """A texture of colours, as Mitsuba reads it."""
+    image = doc["images"][doc["textures"][index]["source"]]
+    if "uri" in image:
+        data = resource(path, image["uri"])
+    else:
+        view = doc["bufferViews"][image["bufferView"]]
+        start = view.get("byteOffset", 0)
+        data = buffers[view["buffer"]][start : start + view["byteLength"]]
+    with tempfile.NamedTemporaryFile(suffix=".png" if data[:4] == b"\x89PNG" else ".jpg") as file:
+        file.write(data)
+        file.flush()
+        return {"type": "bitmap", "bitmap": mi.Bitmap(file.name)}
+
+
+def bsdf(path, doc, buffers, material):
     pbr = material.get("pbrMetallicRoughness", {})
     extensions = material.get("extensions", {})
     base = pbr.get("baseColorFactor", [1, 1, 1, 1])
     roughness = pbr.get("roughnessFactor", 1.0)
+    texture = pbr.get("baseColorTexture")
+    known = {"KHR_materials_emissive_strength", "KHR_materials_transmission", "KHR_materials_ior", "KHR_materials_specular"}
+    odd = set(extensions) - known
+    assert not odd and "normalTexture" not in material, f"material {material.get('name')}: {odd or 'normal texture'}"
+    if texture is not None:
+        assert "metallicRoughnessTexture" not in pbr and base[:3] == [1, 1, 1], "only textures of base colour"
+        color = bitmap(path, doc, buffers, texture["index"])
+        metallic = pbr.get("metallicFactor", 1.0)
+        b = {"type": "principled", "base_color": color, "metallic": metallic, "roughness": roughness, "specular": 0.5}
+        return {"type": "twosided", "b": b}
     if extensions.get("KHR_materials_transmission", {}).get("transmissionFactor", 0) == 1:
         ior = extensions.get("KHR_materials_ior", {}).get("ior", 1.5)
         assert roughness == 0 and min(base[:3]) == 1, "only clear, smooth glass"
@@ -89,38 +133,79 @@ def bsdf(material):
     return {"type": "twosided", "b": {"type": "diffuse", "reflectance": rgb(base)}}
 
 
-def load(path, size):
-    """The scene for Mitsuba, with its first camera."""
-    doc, blob = read_glb(path)
+def look_at(program, path):
+    """The camera that neumann gives to a scene without one: eye, target, vertical angle of view in degrees."""
+    run = subprocess.run([program, "info", "--json", path], check=True, capture_output=True, text=True)
+    info = json.loads(run.stdout)
+    camera, bounds = info["cameras"][0], info["bounds"]
+    target = [(low + high) / 2 for low, high in zip(bounds["min"], bounds["max"])]
+    return camera["eye"], target, camera["fov_degrees"]
+
+
+def load(path, size, view=None):
+    """The scene for Mitsuba, with its first camera or with `view`."""
+    doc, buffers = read_gltf(path)
     scene = {"type": "scene"}
     materials = doc.get("materials", [])
 
+    def add_sensor(eye, target, up, fov):
+        scene["sensor"] = {
+            "type": "perspective",
+            "fov": fov,
+            "fov_axis": "y",
+            "to_world": mi.ScalarTransform4f().look_at(origin=eye, target=target, up=up),
+            "film": {
+                "type": "hdrfilm",
+                "width": size,
+                "height": size,
+                "rfilter": {"type": "box"},
+                "pixel_format": "rgb",
+            },
+            "sampler": {"type": "independent"},
+        }
+
+    is_lit = False
+
     def add_mesh(number, placed):
+        nonlocal is_lit
         for i, primitive in enumerate(doc["meshes"][number]["primitives"]):
             attributes = primitive["attributes"]
-            points = accessor(doc, blob, attributes["POSITION"]).astype(float)
+            points = accessor(doc, buffers, attributes["POSITION"]).astype(float)
             points = points @ placed[:3, :3].T + placed[:3, 3]
-            faces = accessor(doc, blob, primitive["indices"]).reshape(-1, 3)
+            indices = accessor(doc, buffers, primitive["indices"]) if "indices" in primitive else np.arange(len(points))
+            faces = indices.reshape(-1, 3)
             if np.linalg.det(placed[:3, :3]) < 0:
                 faces = faces[:, ::-1]
             material = materials[primitive["material"]]
             properties = mi.Properties()
-            properties["bsdf"] = mi.load_dict(bsdf(material))
+            properties["bsdf"] = mi.load_dict(bsdf(path, doc, buffers, material))
             emission = np.array(material.get("emissiveFactor", [0, 0, 0]), float)
             strength = material.get("extensions", {}).get("KHR_materials_emissive_strength", {})
             emission *= strength.get("emissiveStrength", 1.0)
             if emission.any():
+                is_lit = True
                 properties["emitter"] = mi.load_dict({"type": "area", "radiance": rgb(emission)})
             has_normals = "NORMAL" in attributes
-            mesh = mi.Mesh(f"m{len(scene)}", len(points), len(faces), has_vertex_normals=has_normals, props=properties)
+            has_uvs = "TEXCOORD_0" in attributes
+            mesh = mi.Mesh(
+                f"m{len(scene)}",
+                len(points),
+                len(faces),
+                has_vertex_normals=has_normals,
+                has_vertex_texcoords=has_uvs,
+                props=properties,
+            )
             parameters = mi.traverse(mesh)
             parameters["vertex_positions"] = points.astype(np.float32).ravel()
             parameters["faces"] = faces.astype(np.uint32).ravel()
             if has_normals:
-                normals = accessor(doc, blob, attributes["NORMAL"]).astype(float)
+                normals = accessor(doc, buffers, attributes["NORMAL"]).astype(float)
                 normals = normals @ np.linalg.inv(placed[:3, :3])
                 normals /= np.linalg.norm(normals, axis=1, keepdims=True)
                 parameters["vertex_normals"] = normals.astype(np.float32).ravel()
+            if has_uvs:
+                uvs = accessor(doc, buffers, attributes["TEXCOORD_0"])
+                parameters["vertex_texcoords"] = uvs.astype(np.float32).ravel()
             parameters.update()
             scene[f"mesh_{len(scene)}_{i}"] = mesh
 
@@ -130,27 +215,19 @@ def load(path, size):
         if "mesh" in node:
             add_mesh(node["mesh"], placed)
         if "camera" in node and "sensor" not in scene:
-            view = doc["cameras"][node["camera"]]["perspective"]
+            perspective = doc["cameras"][node["camera"]]["perspective"]
             eye, forward, up = placed[:3, 3], -placed[:3, 2], placed[:3, 1]
-            scene["sensor"] = {
-                "type": "perspective",
-                "fov": math.degrees(view["yfov"]),
-                "fov_axis": "y",
-                "to_world": mi.ScalarTransform4f().look_at(origin=eye, target=eye + forward, up=up),
-                "film": {
-                    "type": "hdrfilm",
-                    "width": size,
-                    "height": size,
-                    "rfilter": {"type": "box"},
-                    "pixel_format": "rgb",
-                },
-                "sampler": {"type": "independent"},
-            }
+            add_sensor(eye, eye + forward, up, math.degrees(perspective["yfov"]))
         for child in node.get("children", []):
             visit(child, placed)
 
     for root in doc["scenes"][doc.get("scene", 0)]["nodes"]:
         visit(root, np.eye(4))
+    if "sensor" not in scene:
+        eye, target, fov = view
+        add_sensor(eye, target, [0, 1, 0], fov)
+    if not is_lit:
+        scene["sky"] = {"type": "constant", "radiance": rgb([1, 1, 1])}
     return mi.load_dict(scene)
 
 
@@ -211,17 +288,18 @@ def per_sample(programs, spp, rounds):
 
 
 def samples_to_target(program, reference):
-    """Samples per pixel until the error is the target, between two renders that enclose it."""
+    """Samples per pixel until the error is the target, between two renders that enclose it, or, where that takes too
+    long, from the last one, the error going down in proportion to the number of samples."""
     before, n = None, 8
     while True:
         error = rel_mse(program.render(n, 3)[0], reference)
         if error <= TARGET:
             break
+        if n == MOST_SAMPLES:
+            return n * error / TARGET
         before, n = (n, error), n * 2
-        if n > 8192:
-            return math.nan
     if before is None:
-        return float(n)
+        return n * error / TARGET
     slope = math.log(error / before[1]) / math.log(n / before[0])
     return before[0] * math.exp(math.log(TARGET / before[1]) / slope)
 
@@ -232,9 +310,16 @@ def row(what, ours, theirs, ratio, unit):
 
 def main():
     program, folder, rounds = sys.argv[1], sys.argv[2], int(sys.argv[3])
-    scenes = sys.argv[4:] or ["cornell", "cornell-glass", "plates", "many"]
+    scenes = sys.argv[4:]
     print("| | neumann | Mitsuba | neumann's advantage |\n|---|---|---|---|")
-    cornell = os.path.join(folder, "cornell.glb")
+    if not scenes:
+        compare_speeds(program, os.path.join(folder, "cornell.glb"), rounds)
+    for name in scenes or ["cornell", "cornell-glass", "plates", "many"]:
+        path = name if "." in name else os.path.join(folder, f"{name}.glb")
+        compare_times_to_error(program, path, rounds)
+
+
+def compare_speeds(program, cornell, rounds):
     size = SIZE_FOR_SPEED
     scene = load(cornell, size)
     no_roulette = ("--set", "roulette=false")
@@ -252,17 +337,32 @@ def main():
     row("`lt` against `ptracer`, cornell", ms["lt"], ms["ptracer"], ms["ptracer"] / ms["lt"], unit)
     row("`bdpt` against `path`, cornell", ms["bdpt"], ms["path"], ms["path"] / ms["bdpt"], unit)
     row("`vcm` against `path`, cornell", ms["vcm"], ms["path"], ms["path"] / ms["vcm"], unit)
-    for name in scenes:
-        path = os.path.join(folder, f"{name}.glb")
-        ours = Neumann(program, path, SIZE_FOR_ERROR)
-        theirs = Mitsuba(load(path, SIZE_FOR_ERROR))
-        reference = ours.render(REFERENCE, 4711)[0]
-        check = theirs.render(64, 1)[0].mean() / reference.mean()
-        if abs(check - 1) > 0.02:
-            print(f"{name}: the programs do not render the same scene; means differ by {check:.3f}", file=sys.stderr)
-        ms = per_sample({"ours": ours, "theirs": theirs}, {"ours": 16, "theirs": 32}, rounds)
-        seconds = {k: samples_to_target(p, reference) * ms[k] / 1000 for k, p in [("ours", ours), ("theirs", theirs)]}
-        row(f"time to relMSE {TARGET:g}, {name}", seconds["ours"], seconds["theirs"], seconds["theirs"] / seconds["ours"], "s")
 
 
-main()
+def compare_times_to_error(program, path, rounds):
+    name = os.path.splitext(os.path.basename(path))[0]
+    options, view = [], None
+    if "cameras" not in read_gltf(path)[0]:
+        view = look_at(program, path)
+        eye, target = (",".join(map(str, point)) for point in view[:2])
+        options = [f"--eye={eye}", f"--target={target}", f"--fov={view[2]}"]
+    ours = Neumann(program, path, SIZE_FOR_ERROR, options=options)
+    theirs = Mitsuba(load(path, SIZE_FOR_ERROR, view))
+    reference = ours.render(REFERENCE, 4711)[0]
+    references = [reference, reference]
+    if "textures" in read_gltf(path)[0]:
+        # Much the same, but not the same material.
+        references[1] = theirs.render(REFERENCE, 4711)[0]
+    check = theirs.render(256, 1)[0].mean() / reference.mean()
+    if abs(check - 1) > 0.02:
+        print(f"{name}: the programs do not render the same scene; means differ by {check:.3f}", file=sys.stderr)
+    ms = per_sample({"ours": ours, "theirs": theirs}, {"ours": 16, "theirs": 32}, rounds)
+    seconds = [
+        samples_to_target(p, reference) * ms[k] / 1000
+        for k, p, reference in zip(("ours", "theirs"), (ours, theirs), references)
+    ]
+    row(f"time to relMSE {TARGET:g}, {name}", *seconds, seconds[1] / seconds[0], "s")
+
+
+if __name__ == "__main__":
+    main()

@@ -24,7 +24,7 @@ const ROUNDING: f64 = 2e-5;
 
 /// Batches of renders and iterations in each.
 const N_BATCHES: u32 = 16;
-const N_ITERATIONS: u32 = 4;
+const N_ITERATIONS: u32 = 8;
 
 /// True if a method computes bounce k where everything is diffuse.
 fn sees(method: &Method, bounce: usize) -> bool {

@@ -82,16 +82,17 @@ impl Kernel for Avx2 {
         unsafe {
             let row = |i: usize| _mm256_load_ps(node.bounds[i].as_ptr());
             let mut near: __m256 = _mm256_setzero_ps();
-            let mut far: __m256 = _mm256_set1_ps(t_max);
+            let mut far: __m256 = _mm256_set1_ps(f32::INFINITY);
             for axis in 0..3 {
                 let origin = _mm256_set1_ps(ray.origin[axis]);
                 let inverse = _mm256_set1_ps(ray.inverse[axis]);
                 let first = row(ray.near[axis]);
                 let last = row(ray.near[axis] ^ 1);
                 near = _mm256_max_ps(_mm256_mul_ps(_mm256_sub_ps(first, origin), inverse), near);
-                let t = _mm256_mul_ps(_mm256_sub_ps(last, origin), inverse);
-                far = _mm256_min_ps(_mm256_mul_ps(t, _mm256_set1_ps(FAR_PADDING)), far);
+                far = _mm256_min_ps(_mm256_mul_ps(_mm256_sub_ps(last, origin), inverse), far);
             }
+            let padded = _mm256_mul_ps(far, _mm256_set1_ps(FAR_PADDING));
+            far = _mm256_min_ps(padded, _mm256_set1_ps(t_max));
             let mut distances = Aligned([0.0; WIDTH]);
             _mm256_store_ps(distances.0.as_mut_ptr(), near);
             BoxHits {

@@ -1,11 +1,12 @@
 //! A bounding volume hierarchy over triangles.
 
-use std::time::Duration;
-
 use glam::Vec3;
-use obvhs::BvhBuildParams;
-use obvhs::bvh2::builder::build_bvh2_from_tris;
+use obvhs::Boundable;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use obvhs::triangle::Triangle;
+use rayon::prelude::*;
 
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
@@ -145,37 +146,40 @@ impl Hit {
     }
 }
 
-/// How trees are built over `n` items.
-///
-/// Reinsertion of half the nodes makes nearly the best tree at half its time; big scenes
-/// get less of it, so that something is on screen soon.
-pub(super) fn build_params(n: usize) -> BvhBuildParams {
-    BvhBuildParams {
-        pre_split: false,
-        reinsertion_batch_ratio: if n > 500_000 { 0.15 } else { 0.5 },
-        post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
-        max_prims_per_leaf: 1,
-        ..BvhBuildParams::medium_build()
-    }
+/// A binary tree with one item in each leaf. Reinsertion of half the nodes makes nearly the best tree at half its time; big
+/// scenes get less of it, so that something is on screen soon.
+pub(super) fn binary_tree<T: Boundable>(items: &[T]) -> Bvh2 {
+    let n = items.len();
+    let mut tree = PlocBuilder::with_capacity(n).build(
+        PlocSearchDistance::Medium,
+        items,
+        (0..n as u32).collect(),
+        SortPrecision::U64,
+        SEARCH_DEPTH_THRESHOLD,
+    );
+    let ratio = if n > 500_000 { 0.15 } else { 0.5 };
+    ReinsertionOptimizer::default().run(&mut tree, ratio, None);
+    tree
 }
+
+/// Rounds of merging neighbours before the search for them widens: obvhs's own for trees of medium quality.
+const SEARCH_DEPTH_THRESHOLD: usize = 3;
 
 /// A wide tree over triangles with finite corners.
 pub(super) fn tree_of_triangles(triangles: &[[Vec3; 3]]) -> WideTree {
     if triangles.is_empty() {
         return WideTree::default();
     }
-    let binary = {
-        let for_builder: Vec<Triangle> = triangles
-            .iter()
-            .map(|t| Triangle {
-                v0: t[0].into(),
-                v1: t[1].into(),
-                v2: t[2].into(),
-            })
-            .collect();
-        let params = build_params(triangles.len());
-        build_bvh2_from_tris(&for_builder, params, &mut Duration::default())
-    };
+    let for_builder: Vec<Triangle> = triangles
+        .par_iter()
+        .map(|t| Triangle {
+            v0: t[0].into(),
+            v1: t[1].into(),
+            v2: t[2].into(),
+        })
+        .collect();
+    let binary = binary_tree(&for_builder);
+    drop(for_builder);
     let tree = WideTree::of_triangles(&binary, triangles);
     debug_assert!(
         tree.depth * (WIDTH - 1) < STACK_SIZE,

@@ -1,13 +1,9 @@
 //! Meshes that stand in the world many times: one tree over the instances, one for each mesh.
 
-use std::time::Duration;
-
 use glam::{Affine3A, Vec3};
-use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::builder::build_bvh2;
 
-use super::bvh::{build_params, tree_of_triangles};
+use super::bvh::{binary_tree, tree_of_triangles};
 use super::wide::WideTree;
 use crate::math::Ray;
 
@@ -64,10 +60,8 @@ impl Instances {
                 Aabb::new((low - padding).into(), (high + padding).into())
             })
             .collect();
-        let params: BvhBuildParams = build_params(boxes.len());
-        let binary = build_bvh2(&boxes, params, &mut Duration::default());
         Self {
-            tree: WideTree::of_items(&binary),
+            tree: WideTree::of_items(&binary_tree(&boxes)),
             instances: placements
                 .iter()
                 .map(|p| Instance {

@@ -1,6 +1,6 @@
 //! Finds what a ray meets.
 //!
-//! obvhs builds a binary tree; `wide` collapses it into nodes of eight children and
+//! obvhs builds a binary tree; `collapse` makes a `wide` one of it, with nodes of eight children and
 //! leaves of four triangles; `traverse` walks it. The two tests that it asks for, of boxes and of triangles, are
 //! written over arrays for any processor (`portable`) and in vectors for those with AVX2 (`avx2`), chosen when the
 //! tree is built. `instances` is for meshes that stand in the world many times.
@@ -8,7 +8,9 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod bvh;
+mod collapse;
 mod instances;
+mod memory;
 mod portable;
 mod traverse;
 mod wide;

@@ -9,7 +9,7 @@ impl Kernel for Portable {
     #[inline(always)]
     fn meet_boxes(node: &Node, ray: &Prepared, t_max: f32) -> BoxHits {
         let mut near = [0f32; WIDTH];
-        let mut far = [t_max; WIDTH];
+        let mut far = [f32::INFINITY; WIDTH];
         for axis in 0..3 {
             let (o, inverse) = (ray.origin[axis], ray.inverse[axis]);
             let first = &node.bounds[ray.near[axis]];
@@ -19,13 +19,15 @@ impl Kernel for Portable {
                 near[lane] = if t > near[lane] { t } else { near[lane] };
             }
             for lane in 0..WIDTH {
-                let t = (last[lane] - o) * inverse * FAR_PADDING;
+                let t = (last[lane] - o) * inverse;
                 far[lane] = if t < far[lane] { t } else { far[lane] };
             }
         }
         let mut mask = 0u32;
         for lane in 0..WIDTH {
-            mask |= u32::from(near[lane] <= far[lane]) << lane;
+            let padded = far[lane] * FAR_PADDING;
+            let end = if padded < t_max { padded } else { t_max };
+            mask |= u32::from(near[lane] <= end) << lane;
         }
         BoxHits { mask, near }
     }

@@ -12,6 +12,8 @@
 use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 
+use glam::Vec4;
+
 use super::Hit;
 use super::instances::Instances;
 use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
@@ -27,7 +29,7 @@ pub(super) const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;
 pub(super) struct Prepared {
     pub(super) origin: [f32; 3],
     pub(super) inverse: [f32; 3],
-    /// For each axis, the row of a node's bounds that the ray meets first.
+    /// For each axis, the row of a node's bounds that the ray meets first; the next or the one before is met last.
     pub(super) near: [usize; 3],
     /// Axes of the sheared frame; the ray runs along the last.
     pub(super) axes: [usize; 3],
@@ -87,7 +89,7 @@ trait AnyVisitor {
 /// Walks the nodes whose boxes the ray meets before `end`, nearest first.
 #[inline(always)]
 fn walk<K: Kernel>(tree: &WideTree, prepared: &Prepared, mut end: f32, visitor: &mut impl Visitor) {
-    let mut stack = Stack::new();
+    let (mut stack, mut top) = (Stack::new(), 0);
     let mut current = 0u32;
     loop {
         if current & LEAF == 0 {
@@ -103,10 +105,11 @@ fn walk<K: Kernel>(tree: &WideTree, prepared: &Prepared, mut end: f32, visitor: 
                 };
                 // The nearest child is next; the others wait, the farthest at the bottom.
                 let mut nearest = next(&mut mask);
-                let bottom = stack.len();
+                let bottom = top;
                 while mask != 0 {
                     let other = next(&mut mask);
-                    stack.insert_descending(bottom, other.max(nearest));
+                    stack.insert_descending(bottom, top, other.max(nearest));
+                    top += 1;
                     nearest = other.min(nearest);
                 }
                 current = nearest as u32;
@@ -116,9 +119,11 @@ fn walk<K: Kernel>(tree: &WideTree, prepared: &Prepared, mut end: f32, visitor: 
             end = visitor.visit((current & !LEAF) as usize, end);
         }
         loop {
-            let Some(entry) = stack.pop() else {
+            if top == 0 {
                 return;
-            };
+            }
+            top -= 1;
+            let entry = stack.get(top);
             if f32::from_bits((entry >> 32) as u32) <= end {
                 current = entry as u32;
                 break;
@@ -135,7 +140,7 @@ fn walk_until<K: Kernel>(
     end: f32,
     visitor: &impl AnyVisitor,
 ) -> bool {
-    let mut stack = Stack::new();
+    let (mut stack, mut top) = (Stack::new(), 0);
     let mut current = 0u32;
     loop {
         if current & LEAF == 0 {
@@ -145,15 +150,17 @@ fn walk_until<K: Kernel>(
                 let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
                 mask &= mask - 1;
                 K::prefetch(tree, node.children[lane]);
-                stack.push(u64::from(node.children[lane]));
+                stack.set(top, u64::from(node.children[lane]));
+                top += 1;
             }
         } else if visitor.stops((current & !LEAF) as usize) {
             return true;
         }
-        let Some(entry) = stack.pop() else {
+        if top == 0 {
             return false;
-        };
-        current = entry as u32;
+        }
+        top -= 1;
+        current = stack.get(top) as u32;
     }
 }
 
@@ -289,32 +296,35 @@ impl<K: Kernel> AnyVisitor for Inside<'_, K> {
 impl Prepared {
     #[inline(always)]
     fn new(ray: &Ray) -> Self {
-        let (origin, d) = (ray.origin.to_array(), ray.direction.to_array());
+        let direction = ray.direction.extend(1.0);
+        let magnitude = direction.abs();
         // A huge but finite inverse keeps 0 · ∞ out of the slab test.
-        let inverse = d.map(|c| {
-            if c.abs() < 1e-18 {
-                1e18f32.copysign(c)
-            } else {
-                1.0 / c
-            }
-        });
-        let magnitude = d.map(f32::abs);
+        let inverse = Vec4::select(
+            magnitude.cmplt(Vec4::splat(1e-18)),
+            Vec4::splat(1e18).copysign(direction),
+            direction.recip(),
+        );
+        let is_negative = direction.is_negative_bitmask() as usize;
+        let (d, inverse) = (direction.to_array(), inverse.to_array());
         // Written so that no branch depends on the direction.
-        let z = usize::from(magnitude[1] > magnitude[0]);
-        let z = if magnitude[2] > magnitude[z] { 2 } else { z };
-        let is_flipped = usize::from(d[z] < 0.0);
-        let x = (z + 1 + is_flipped) % 3;
-        let y = (z + 2 - is_flipped) % 3;
-        let scale = 1.0 / d[z];
+        let [along_x, along_y, along_z, _] = magnitude.to_array();
+        let z = usize::from(along_y > along_x);
+        let z = if along_z > along_x.max(along_y) { 2 } else { z };
+        let [x, y] = ACROSS[z][is_negative >> z & 1];
+        let scale = inverse[z];
         Self {
-            origin,
-            inverse,
-            near: [0, 1, 2].map(|axis| 2 * axis + usize::from(d[axis].is_sign_negative())),
+            origin: ray.origin.to_array(),
+            inverse: [inverse[0], inverse[1], inverse[2]],
+            near: [0, 1, 2].map(|axis| 2 * axis + (is_negative >> axis & 1)),
             axes: [x, y, z],
             shear: [d[x] * scale, d[y] * scale, scale],
         }
     }
 }
+
+/// The other axes of the sheared frame, by the axis that the ray runs along most and by whether it does so backwards: a
+/// mirrored frame keeps the sense in which corners go around.
+const ACROSS: [[[usize; 2]; 2]; 3] = [[[1, 2], [2, 1]], [[2, 0], [0, 2]], [[0, 1], [1, 0]]];
 
 /// Where an edge is met as exactly as single precision can tell, double precision decides.
 #[cold]
@@ -339,48 +349,30 @@ pub(super) fn decide_in_double(
     }
 }
 
-/// Nodes and leaves still to visit: distance in the upper half, child in the lower.
-struct Stack {
-    entries: [MaybeUninit<u64>; STACK_SIZE],
-    len: usize,
-}
+/// Nodes and leaves still to visit: distance in the upper half, child in the lower. How many there are is kept apart, so
+/// that it can be in a register.
+struct Stack([MaybeUninit<u64>; STACK_SIZE]);
 
 impl Stack {
     #[inline(always)]
     fn new() -> Self {
-        Self {
-            entries: [const { MaybeUninit::uninit() }; STACK_SIZE],
-            len: 0,
-        }
+        Self([const { MaybeUninit::uninit() }; STACK_SIZE])
     }
 
     #[inline(always)]
-    fn len(&self) -> usize {
-        self.len
+    fn set(&mut self, i: usize, entry: u64) {
+        self.0[i].write(entry);
     }
 
+    /// Inserts among the entries from `bottom` to `top`, keeping them in descending order.
     #[inline(always)]
-    fn push(&mut self, entry: u64) {
-        self.entries[self.len].write(entry);
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<u64> {
-        self.len = self.len.checked_sub(1)?;
-        Some(self.entry(self.len))
-    }
-
-    /// Inserts above `bottom`, keeping what is there in descending order.
-    #[inline(always)]
-    fn insert_descending(&mut self, bottom: usize, entry: u64) {
-        let mut i = self.len;
-        while i > bottom && self.entry(i - 1) < entry {
-            self.entries[i].write(self.entry(i - 1));
+    fn insert_descending(&mut self, bottom: usize, top: usize, entry: u64) {
+        let mut i = top;
+        while i > bottom && self.get(i - 1) < entry {
+            self.set(i, self.get(i - 1));
             i -= 1;
         }
-        self.entries[i].write(entry);
-        self.len += 1;
+        self.set(i, entry);
     }
 
     #[inline(always)]
@@ -388,8 +380,8 @@ impl Stack {
         unsafe_code,
         reason = "zeroing the stack for every ray costs as much as a node"
     )]
-    fn entry(&self, i: usize) -> u64 {
-        // SAFETY: callers read below `len` (or below the entry being inserted), which was written.
-        unsafe { self.entries[i].assume_init() }
+    fn get(&self, i: usize) -> u64 {
+        // SAFETY: callers read below the top, which was written.
+        unsafe { self.0[i].assume_init() }
     }
 }

@@ -1,7 +1,9 @@
 //! The mean of the frames, with the variance of L.
 
+use bytemuck::{cast_slice, cast_slice_mut};
 use rayon::prelude::*;
 
+use super::frame::{TILE, TILE_PIXELS, TileBounds};
 use super::{Frame, View};
 use crate::radiometry::Rgb;
 
@@ -143,19 +145,19 @@ impl Film {
     /// If the frame has another shape.
     pub fn add(&mut self, frame: &Frame) {
         assert_eq!(
-            (frame.width(), frame.height(), frame.layers().len()),
-            (self.width, self.height, self.n_layers + 1),
+            (frame.width(), frame.height(), frame.n_layers()),
+            (self.width, self.height, self.n_layers),
             "frame and film differ in shape"
         );
         self.n_iterations += 1;
         self.n_refused += frame.n_refused();
-        let n = self.n_iterations as f32;
-        let step = 1.0 / n;
-        let band = BAND;
+        let step = 1.0 / self.n_iterations as f32;
+        // By rows of tiles.
+        let n = self.width * TILE;
         let mut bands: Vec<Band<'_>> = self
             .total
-            .chunks_mut(band)
-            .zip(self.deviations.chunks_mut(band))
+            .chunks_mut(n)
+            .zip(self.deviations.chunks_mut(n))
             .map(|(total, deviations)| Band {
                 total,
                 deviations,
@@ -163,13 +165,15 @@ impl Film {
             })
             .collect();
         for layer in &mut self.layers {
-            for (chunk, entry) in layer.chunks_mut(band).zip(&mut bands) {
-                entry.layers.push(chunk);
+            for (chunk, band) in layer.chunks_mut(n).zip(&mut bands) {
+                band.layers.push(chunk);
             }
         }
-        bands.par_iter_mut().enumerate().for_each(|(i, b)| {
-            b.add(frame, i * band, step);
-        });
+        let width = self.width;
+        bands
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(row, band)| band.add(frame, row, width, step));
     }
 
     /// Takes in the iterations of another film of the same shape.
@@ -308,9 +312,10 @@ impl Film {
     }
 }
 
-/// Pixels that one task takes in at a time.
+/// Pixels that one task looks at, at least.
 const BAND: usize = 4096;
 
+/// The pixels of a row of tiles.
 struct Band<'a> {
     total: &'a mut [Rgb],
     deviations: &'a mut [Rgb],
@@ -318,28 +323,48 @@ struct Band<'a> {
 }
 
 impl Band<'_> {
-    fn add(&mut self, frame: &Frame, start: usize, step: f32) {
-        let n = self.total.len();
-        let mut sum = [Rgb::BLACK; BAND];
-        for (mean, layer) in self.layers.iter_mut().zip(frame.layers()) {
-            let values = &layer[start..start + n];
-            for ((m, x), s) in mean.iter_mut().zip(values).zip(&mut sum) {
-                *s += *x;
-                *m += (*x - *m) * step;
+    fn add(&mut self, frame: &Frame, row: usize, width: usize, step: f32) {
+        let grid = frame.grid();
+        for column in 0..grid.n_columns() {
+            let tile = row * grid.n_columns() + column;
+            let TileBounds { start, end } = grid.bounds(tile);
+            // A row of the tile, in the film's planes and in the tile's, channel by channel.
+            let rows = (0..end[1] - start[1]).map(|y| {
+                let from = y * width;
+                let in_film = N_CHANNELS * (from + start[0])..N_CHANNELS * (from + end[0]);
+                let in_tile = N_CHANNELS * y * TILE;
+                (in_film.clone(), in_tile..in_tile + in_film.len())
+            });
+            let mut sum = [0f32; N_CHANNELS * TILE_PIXELS];
+            let layers = frame.tile(tile).chunks_exact(TILE_PIXELS);
+            for (mean, values) in self.layers.iter_mut().zip(layers) {
+                let (mean, values) = (cast_slice_mut(mean), cast_slice(values));
+                for (in_film, in_tile) in rows.clone() {
+                    let values: &[f32] = &values[in_tile.clone()];
+                    let mean: &mut [f32] = &mut mean[in_film];
+                    for ((m, x), s) in mean.iter_mut().zip(values).zip(&mut sum[in_tile]) {
+                        *s += *x;
+                        *m += (*x - *m) * step;
+                    }
+                }
             }
-        }
-        for ((m, d), x) in self
-            .total
-            .iter_mut()
-            .zip(self.deviations.iter_mut())
-            .zip(&sum)
-        {
-            let before = *x - *m;
-            *m += before * step;
-            *d += before * (*x - *m);
+            let (total, deviations) = (cast_slice_mut(self.total), cast_slice_mut(self.deviations));
+            for (in_film, in_tile) in rows {
+                let total: &mut [f32] = &mut total[in_film.clone()];
+                let deviations: &mut [f32] = &mut deviations[in_film];
+                let pairs = total.iter_mut().zip(deviations);
+                for ((m, d), x) in pairs.zip(&sum[in_tile]) {
+                    let before = *x - *m;
+                    *m += before * step;
+                    *d += before * (*x - *m);
+                }
+            }
         }
     }
 }
+
+/// Channels of a colour.
+const N_CHANNELS: usize = 3;
 
 fn mean_of(values: impl ExactSizeIterator<Item = Rgb>) -> [f64; 3] {
     let n = values.len().max(1) as f64;
@@ -355,13 +380,15 @@ fn mean_of(values: impl ExactSizeIterator<Item = Rgb>) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::{Film, Frame, View};
+    use super::{Film, Frame, TILE_PIXELS, View};
     use crate::radiometry::Rgb;
 
     fn frame_of(value: f32) -> Frame {
         let mut frame = Frame::new(3, 2, 2);
-        frame.layers[0].fill(Rgb::splat(value));
-        frame.layers[2].fill(Rgb::splat(2.0 * value));
+        let layers = frame.values().chunks_exact_mut(TILE_PIXELS);
+        for (layer, factor) in layers.zip([1.0, 0.0, 2.0]) {
+            layer.fill(Rgb::splat(factor * value));
+        }
         frame
     }
 
@@ -400,7 +427,7 @@ mod tests {
         let n = 100_000u32;
         for i in 0..n {
             let x = 0.1 + (i.wrapping_mul(2_654_435_761) >> 8) as f32 * 1e-7;
-            frame.layers[0][0] = Rgb::splat(x);
+            frame.values()[0] = Rgb::splat(x);
             exact += f64::from(x);
             film.add(&frame);
         }

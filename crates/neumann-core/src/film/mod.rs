@@ -17,6 +17,7 @@ pub use contribution::{Contribution, Joint, Strategy};
 pub use features::Features;
 pub use film_of_frames::{Film, FilmError};
 pub use frame::{Frame, PhotonReport};
+pub(crate) use frame::{Slot, TILE_PIXELS, TileBounds, TileGrid};
 pub use techniques::{TechniqueFilm, TechniqueImage};
 pub use view::View;
 

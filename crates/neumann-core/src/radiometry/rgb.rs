@@ -5,8 +5,10 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
+use bytemuck::{Pod, Zeroable};
+
 /// Three linear channels, Rec. 709 primaries.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Rgb {
     /// Red.

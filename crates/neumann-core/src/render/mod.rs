@@ -10,10 +10,12 @@ mod pool;
 mod render_loop;
 mod renderer;
 mod settings;
+mod sink;
 
 pub use cancel::{CancelToken, Cancelled};
-pub use pass::{Collected, LightNumbers, Pass, PixelSample, Sink};
+pub use pass::{Collected, LightNumbers, Pass, PixelSample};
 pub use pool::WorkerPool;
 pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule, Thumbnail};
 pub use renderer::Renderer;
 pub use settings::RenderSettings;
+pub use sink::Sink;

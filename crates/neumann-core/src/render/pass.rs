@@ -1,28 +1,25 @@
 //! One iteration, run in parallel and deterministically.
 //!
-//! The image is cut into tiles; each is traced by one worker into layers of its
-//! own and written to the frame when it is done. Contributions to other pixels
-//! (splats) are kept in the order of their paths and added in that order at
-//! the end. Random numbers are keyed by (seed, iteration, path), so the result
+//! The image is cut into tiles; each is traced by one worker, which has that part of
+//! the frame to itself. Contributions to other pixels (splats) are kept in the order
+//! of their paths and added in that order at the end. Random numbers are keyed by (seed, iteration, path), so the result
 //! does not depend on which worker traced what.
 
-use std::sync::Mutex;
-use std::sync::PoisonError;
+use std::ops::Range;
 
 use glam::Vec2;
 use rayon::prelude::*;
 
+use super::sink::{Sink, SinkShape, Yield, add_splats};
 use super::{CancelToken, Cancelled, RenderSettings};
 use crate::endpoint::Camera;
-use crate::film::techniques::{Record, RecordShape, TechniqueFilm};
-use crate::film::{Contribution, Frame, PhotonReport};
+use crate::film::techniques::TechniqueFilm;
+use crate::film::{Frame, PhotonReport, TileBounds};
 use crate::radiometry::Rgb;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::transport::Tracer;
 
-/// Edge of a square tile, pixels.
-const TILE: usize = 16;
 /// Paths that one task traces, where paths belong to no pixel.
 const CHUNK: usize = 256;
 /// Tasks after which splats are added up, so that they never take much memory: as many paths as a
@@ -99,111 +96,6 @@ impl<T> Collected<T> {
     #[must_use]
     pub fn n_paths(&self) -> usize {
         self.ends.len()
-    }
-}
-
-/// Where a path leaves its contributions.
-pub struct Sink<'a> {
-    /// `tile[layer * TILE² + y * TILE + x]`; empty where paths belong to no pixel.
-    tile: &'a mut [Rgb],
-    pixel_in_tile: usize,
-    n_layers: usize,
-    width: usize,
-    height: usize,
-    splats: Vec<Splat>,
-    n_refused: u64,
-    /// The pixel of the film that the path belongs to.
-    pixel: (u32, u32),
-    recording: Option<RecordShape>,
-    records: Vec<Record>,
-}
-
-/// A contribution to a pixel that is not the path's own.
-#[derive(Clone, Copy)]
-struct Splat {
-    pixel: u32,
-    layer: u32,
-    value: Rgb,
-}
-
-/// What a task hands back.
-#[derive(Default)]
-struct Yield {
-    splats: Vec<Splat>,
-    records: Vec<Record>,
-    n_refused: u64,
-    n_rays: u64,
-}
-
-impl<'a> Sink<'a> {
-    fn new(
-        tile: &'a mut [Rgb],
-        n_layers: usize,
-        (width, height): (usize, usize),
-        recording: Option<RecordShape>,
-    ) -> Self {
-        Self {
-            tile,
-            pixel_in_tile: 0,
-            n_layers,
-            width,
-            height,
-            splats: Vec::new(),
-            n_refused: 0,
-            pixel: (0, 0),
-            recording,
-            records: Vec::new(),
-        }
-    }
-
-    fn into_yield(self, n_rays: u64) -> Yield {
-        Yield {
-            splats: self.splats,
-            records: self.records,
-            n_refused: self.n_refused,
-            n_rays,
-        }
-    }
-
-    /// Keeps a contribution apart by its technique, if that is asked for.
-    #[inline]
-    fn record(&mut self, pixel: (u32, u32), contribution: &Contribution) {
-        if let Some(shape) = self.recording {
-            self.records.push(shape.record(pixel, contribution));
-        }
-    }
-
-    /// Adds to the path's own pixel.
-    #[inline]
-    pub fn add(&mut self, contribution: Contribution) {
-        let value = contribution.value * contribution.mis_weight;
-        if !value.is_radiance() {
-            self.n_refused += 1;
-            return;
-        }
-        self.record(self.pixel, &contribution);
-        let layer = (contribution.bounce as usize).min(self.n_layers);
-        self.tile[layer * TILE * TILE + self.pixel_in_tile] += value;
-    }
-
-    /// Adds to the pixel that `raster` falls in, if any; raster (0, 0) is the top left corner of pixel (0, 0).
-    #[inline]
-    pub fn splat(&mut self, raster: Vec2, contribution: Contribution) {
-        let value = contribution.value * contribution.mis_weight;
-        if !value.is_radiance() {
-            self.n_refused += 1;
-            return;
-        }
-        let (x, y) = (raster.x.floor(), raster.y.floor());
-        if x < 0.0 || y < 0.0 || x >= self.width as f32 || y >= self.height as f32 {
-            return;
-        }
-        self.record((x as u32, y as u32), &contribution);
-        self.splats.push(Splat {
-            pixel: (y as usize * self.width + x as usize) as u32,
-            layer: (contribution.bounce as usize).min(self.n_layers) as u32,
-            value,
-        });
     }
 }
 
@@ -310,63 +202,47 @@ impl<'a> Pass<'a> {
         M: Fn() -> R + Sync + Send,
         F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &mut Sampler, &mut Sink<'_>) + Sync,
     {
-        let (width, height) = self.size();
-        let n_layers = self.frame.layers.len() - 1;
-        let (n_columns, n_rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
+        let width = self.frame.width();
+        let (grid, per_tile) = (self.frame.grid(), self.frame.values_per_tile());
         let (seed, iteration, cancel) = (self.seed, self.iteration, self.cancel);
-        let recording = self.recording();
-        for round in rounds(n_columns * n_rows, recording) {
-            let planes = Mutex::new(&mut self.frame.layers);
-            let yields: Vec<Yield> = round
-                .into_par_iter()
+        let shape = self.sink_shape();
+        let rounds = self.rounds(grid.n_tiles());
+        for round in &rounds {
+            // Splats of a round may go to tiles of the next, which then has to find them black.
+            let (values, is_stale) = match rounds.len() {
+                1 => self.frame.values_to_renew(),
+                _ => (self.frame.values(), false),
+            };
+            let yields: Vec<Yield> = values[round.start * per_tile..round.end * per_tile]
+                .par_chunks_mut(per_tile)
+                .enumerate()
                 .with_max_len(1)
-                .map_init(
-                    || (vec![Rgb::BLACK; TILE * TILE * (n_layers + 1)], room()),
-                    |(tile, room), index| {
+                .map_init(&room, |room, (i, tile)| {
+                    if cancel.is_cancelled() {
+                        return Yield::default();
+                    }
+                    if is_stale {
+                        tile.fill(Rgb::BLACK);
+                    }
+                    let mut tracer = Tracer::new(scene);
+                    let mut sink = Sink::new(tile, shape);
+                    let TileBounds { start, end } = grid.bounds(round.start + i);
+                    for y in start[1]..end[1] {
                         if cancel.is_cancelled() {
                             return Yield::default();
                         }
-                        let (x0, y0) = (index % n_columns * TILE, index / n_columns * TILE);
-                        let (x1, y1) = ((x0 + TILE).min(width), (y0 + TILE).min(height));
-                        tile.fill(Rgb::BLACK);
-                        let mut tracer = Tracer::new(scene);
-                        let mut sink = Sink::new(tile, n_layers, (width, height), recording);
-                        for y in y0..y1 {
-                            if cancel.is_cancelled() {
-                                return Yield::default();
-                            }
-                            for x in x0..x1 {
-                                sink.pixel_in_tile = (y - y0) * TILE + (x - x0);
-                                sink.pixel = (x as u32, y as u32);
-                                let index = y * width + x;
-                                let mut sampler = Sampler::new(seed, index as u64, iteration);
-                                let u = sampler.next_2d();
-                                let raster = Vec2::new(x as f32 + u[0], y as f32 + u[1]);
-                                let sample = PixelSample { raster, index };
-                                path(room, sample, &mut tracer, &mut sampler, &mut sink);
-                            }
+                        for x in start[0]..end[0] {
+                            sink.start_pixel(x, y);
+                            let index = y * width + x;
+                            let mut sampler = Sampler::new(seed, index as u64, iteration);
+                            let u = sampler.next_2d();
+                            let raster = Vec2::new(x as f32 + u[0], y as f32 + u[1]);
+                            let sample = PixelSample { raster, index };
+                            path(room, sample, &mut tracer, &mut sampler, &mut sink);
                         }
-                        let part = Yield {
-                            splats: std::mem::take(&mut sink.splats),
-                            records: std::mem::take(&mut sink.records),
-                            n_refused: sink.n_refused,
-                            n_rays: tracer.n_rays(),
-                        };
-                        let mut planes = planes.lock().unwrap_or_else(PoisonError::into_inner);
-                        for (k, plane) in planes.iter_mut().enumerate() {
-                            for y in y0..y1 {
-                                let from = k * TILE * TILE + (y - y0) * TILE;
-                                let row = &tile[from..from + (x1 - x0)];
-                                let target = &mut plane[y * width + x0..y * width + x1];
-                                // Splats of rounds before are there already.
-                                for (sum, value) in target.iter_mut().zip(row) {
-                                    *sum += *value;
-                                }
-                            }
-                        }
-                        part
-                    },
-                )
+                    }
+                    sink.into_yield(tracer.n_rays())
+                })
                 .collect();
             self.take(&yields)?;
         }
@@ -389,12 +265,10 @@ impl<'a> Pass<'a> {
         T: Copy + Send + Sync,
         F: Fn(usize, &mut Tracer<'s>, &mut Sampler, &mut Sink<'_>, &mut Vec<T>) + Sync,
     {
-        let size = self.size();
-        let n_layers = self.frame.layers.len() - 1;
         let cancel = self.cancel;
-        let recording = self.recording();
+        let shape = self.sink_shape();
         let mut collected = Collected::default();
-        for round in rounds(n_paths.div_ceil(CHUNK), recording) {
+        for round in self.rounds(n_paths.div_ceil(CHUNK)) {
             let (yields, parts): (Vec<Yield>, Vec<Collected<T>>) = round
                 .into_par_iter()
                 .with_max_len(1)
@@ -404,7 +278,7 @@ impl<'a> Pass<'a> {
                         return (Yield::default(), part);
                     }
                     let mut tracer = Tracer::new(scene);
-                    let mut sink = Sink::new(&mut [], n_layers, size, recording);
+                    let mut sink = Sink::new(&mut [], shape);
                     for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(n_paths) {
                         let mut sampler = numbers.path(index);
                         path(index, &mut tracer, &mut sampler, &mut sink, &mut part.items);
@@ -425,8 +299,25 @@ impl<'a> Pass<'a> {
         Ok(collected)
     }
 
-    fn recording(&self) -> Option<RecordShape> {
-        self.techniques.as_ref().map(|t| t.shape())
+    /// Leaves nothing of another iteration in the frame, even where nothing was traced.
+    pub(super) fn finish(&mut self) {
+        self.frame.values();
+    }
+
+    fn sink_shape(&self) -> SinkShape {
+        let recording = self.techniques.as_ref().map(|t| t.shape());
+        SinkShape::new(self.frame, recording)
+    }
+
+    /// Cuts tasks into rounds.
+    fn rounds(&self, n_tasks: usize) -> Vec<Range<usize>> {
+        let length = match self.techniques {
+            Some(_) => RECORDING_ROUND,
+            None => ROUND,
+        };
+        (0..n_tasks.div_ceil(length))
+            .map(|i| i * length..((i + 1) * length).min(n_tasks))
+            .collect()
     }
 
     /// Adds up what the tasks handed back, in their order.
@@ -434,10 +325,8 @@ impl<'a> Pass<'a> {
         if self.cancel.is_cancelled() {
             return Err(Cancelled);
         }
+        add_splats(self.frame, yields);
         for part in yields {
-            for splat in &part.splats {
-                self.frame.layers[splat.layer as usize][splat.pixel as usize] += splat.value;
-            }
             if let Some(techniques) = &mut self.techniques {
                 techniques.take(&part.records);
             }
@@ -446,17 +335,4 @@ impl<'a> Pass<'a> {
         }
         Ok(())
     }
-}
-
-/// Cuts tasks into rounds.
-fn rounds(
-    n_tasks: usize,
-    recording: Option<RecordShape>,
-) -> impl Iterator<Item = std::ops::Range<usize>> {
-    let length = if recording.is_some() {
-        RECORDING_ROUND
-    } else {
-        ROUND
-    };
-    (0..n_tasks.div_ceil(length)).map(move |i| i * length..((i + 1) * length).min(n_tasks))
 }

@@ -351,10 +351,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             seconds_per_sample: seconds / n_samples as f64,
         });
         let (n_rays, photons) = (frame.n_rays(), frame.photons());
-        let fresh = is_first.then(|| {
-            let n_layers = frame.layers().len() - 1;
-            Film::new(frame.width(), frame.height(), n_layers)
-        });
+        let fresh = is_first.then(|| Film::new(frame.width(), frame.height(), frame.n_layers()));
         pool.run(|| {
             shared.publish(|published| {
                 if let Some(film) = fresh {

@@ -69,7 +69,7 @@ impl Renderer {
     /// # Errors
     /// [`Cancelled`] if the token was; the same iteration is run again next time.
     pub fn iterate(&mut self, cancel: &CancelToken) -> Result<&Frame, Cancelled> {
-        self.frame.clear();
+        self.frame.forget();
         let mut pass = Pass::new(
             &mut self.frame,
             &self.camera,
@@ -79,7 +79,12 @@ impl Renderer {
             self.techniques.as_mut(),
         );
         let (integrator, scene) = (&mut self.integrator, &*self.scene);
-        if let Err(cancelled) = self.pool.run(|| integrator.iterate(scene, &mut pass)) {
+        let outcome = self.pool.run(|| {
+            integrator.iterate(scene, &mut pass)?;
+            pass.finish();
+            Ok(())
+        });
+        if let Err(cancelled) = outcome {
             // Records of an iteration that was cut short cannot be told from the others.
             if let Some(techniques) = &mut self.techniques {
                 *techniques = techniques.emptied();

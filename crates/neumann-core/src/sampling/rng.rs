@@ -1,7 +1,7 @@
 //! Counter-based random numbers: any path can be replayed alone.
 //!
 //! A number is a pure function of (seed, path, iteration, dimension). For a
-//! fixed path, the iterations run through Sobol's sequence, shuffled and scrambled by nested uniform
+//! fixed path, the iterations run through Sobol's sequence, scrambled by nested uniform
 //! (Owen) scrambling with a hash ([Burley 2020]). What the camera (or the light) and the first two bounces
 //! draw are dimensions of one such sequence, so that the iterations cover their whole space evenly; the dimensions
 //! of later bounces are padded: each pair is a shuffled copy of its own of the first two, a (0,2)-sequence.
@@ -21,9 +21,7 @@ const SHARED: u64 = 1 << 63;
 #[derive(Clone, Debug)]
 pub struct Sampler {
     key: u64,
-    iteration_reversed: u32,
-    /// The iteration's place in the path's own shuffle of the sequence.
-    index: u32,
+    iteration: u32,
     /// Number of the block to be made next.
     block: u32,
     /// First and second dimension of each pair.
@@ -39,7 +37,7 @@ impl Sampler {
     #[inline]
     #[must_use]
     pub fn new(seed: u64, path: u64, iteration: u32) -> Self {
-        Self::of_key(mix(mix(seed) ^ path), iteration.reverse_bits())
+        Self::of_key(mix(mix(seed) ^ path), iteration)
     }
 
     /// Element number `index` of one sequence that many paths share: what one path draws stratifies what the
@@ -56,15 +54,14 @@ impl Sampler {
     pub fn branch(&self, number: u32) -> Self {
         let place = u64::from(self.block) << 8 | u64::from(self.next);
         let key = mix(self.key ^ (u64::from(number) + 1) << 40 ^ place);
-        Self::of_key(key, self.iteration_reversed)
+        Self::of_key(key, self.iteration)
     }
 
     #[inline]
-    fn of_key(key: u64, iteration_reversed: u32) -> Self {
+    fn of_key(key: u64, iteration: u32) -> Self {
         Self {
             key,
-            iteration_reversed,
-            index: laine_karras(iteration_reversed, mix_32(key as u32)).reverse_bits(),
+            iteration,
             block: 0,
             pairs: [[0.0; N_PAIRS]; 2],
             next: N_PAIRS as u32,
@@ -95,25 +92,30 @@ impl Sampler {
     #[inline]
     pub fn next_2d(&mut self) -> [f32; 2] {
         if self.next as usize >= N_PAIRS {
-            let hash = mix(self.key ^ (u64::from(self.block) << 32 | 0x9e37));
-            self.pairs = match sobol::columns(self.block, BLOCKS_PER_BOUNCE) {
-                Some(columns) => pairs(Pairs::Joint(self.index, columns), hash),
-                None => pairs(Pairs::Padded(self.iteration_reversed), hash),
-            };
-            self.block += 1;
-            self.next = 0;
+            self.make_block();
         }
         let i = self.next as usize % N_PAIRS;
         self.next += 1;
         [self.pairs[0][i], self.pairs[1][i]]
+    }
+
+    #[inline(never)]
+    fn make_block(&mut self) {
+        let hash = mix(self.key ^ (u64::from(self.block) << 32 | 0x9e37));
+        self.pairs = match sobol::digits(self.block, BLOCKS_PER_BOUNCE) {
+            Some(digits) => pairs(Pairs::Joint(self.iteration, digits), hash),
+            None => pairs(Pairs::Padded(self.iteration.reverse_bits()), hash),
+        };
+        self.block += 1;
+        self.next = 0;
     }
 }
 
 /// How the pairs of a block hang together.
 #[derive(Clone, Copy)]
 enum Pairs {
-    /// Dimensions of one sequence: the index in it, and the columns of the dimensions' matrices.
-    Joint(u32, &'static sobol::Columns),
+    /// Dimensions of one sequence: the index in it, and their matrices.
+    Joint(u32, &'static sobol::Digits),
     /// A sequence of two dimensions for each pair: the iteration, its bits reversed.
     Padded(u32),
 }
@@ -141,19 +143,7 @@ fn pairs_in_lanes(pairs: Pairs, hash: u64) -> [[f32; N_PAIRS]; 2] {
     // Bits reversed: the first dimension of every pair, then the second.
     let mut points = [0u32; 2 * N_PAIRS];
     match pairs {
-        Pairs::Joint(mut index, columns) => {
-            // The sum over the bits of the index of their columns, modulo 2.
-            for column in columns {
-                if index == 0 {
-                    break;
-                }
-                let mask = (index & 1).wrapping_neg();
-                for (point, c) in points.iter_mut().zip(column) {
-                    *point ^= c & mask;
-                }
-                index >>= 1;
-            }
-        }
+        Pairs::Joint(index, digits) => points = sobol::point(digits, index),
         Pairs::Padded(iteration_reversed) => {
             let seeds: [u32; N_PAIRS] = lane_seeds(hash as u32);
             for i in 0..N_PAIRS {

@@ -3,9 +3,13 @@
 
 use super::rng::N_PAIRS;
 
-/// `columns[bit][lane]`: what the bit of an index adds to a point, the bits of the point reversed. The first half of the lanes
-/// are the first dimensions of a block's pairs, the second half their second.
-pub(super) type Columns = [[u32; 2 * N_PAIRS]; 32];
+/// A point of a block, the bits of its coordinates reversed: the first half of the lanes are the first dimensions of the
+/// block's pairs, the second half their second.
+pub(super) type Point = [u32; 2 * N_PAIRS];
+
+/// The matrices of a block: `digits[i][d]` is what digit number i of an index, to the base 16, adds to a point if it is d.
+/// Sums modulo 2 of the columns of the matrices.
+pub(super) type Digits = [[Point; 16]; 8];
 
 /// Blocks whose dimensions belong to one sequence: the camera's and those of the first two bounces.
 const N_JOINT_BLOCKS: usize = 3;
@@ -44,30 +48,54 @@ const DIMENSIONS: [(u32, &[u32]); N_DIMENSIONS] = [
     (157, &[1, 3, 1, 13, 9, 35, 107]),
 ];
 
-static COLUMNS: [Columns; N_JOINT_BLOCKS] = all_columns();
+static DIGITS: [Digits; N_JOINT_BLOCKS] = all_digits();
 
 /// The matrices of a block, if its dimensions belong to the one sequence: the first block of the camera and of
 /// the first bounces does.
 #[inline]
-pub(super) fn columns(block: u32, blocks_per_bounce: u32) -> Option<&'static Columns> {
+pub(super) fn digits(block: u32, blocks_per_bounce: u32) -> Option<&'static Digits> {
     if block.is_multiple_of(blocks_per_bounce) {
-        COLUMNS.get((block / blocks_per_bounce) as usize)
+        DIGITS.get((block / blocks_per_bounce) as usize)
     } else {
         None
     }
 }
 
-const fn all_columns() -> [Columns; N_JOINT_BLOCKS] {
-    let mut all = [[[0; 2 * N_PAIRS]; 32]; N_JOINT_BLOCKS];
+/// The point of an index.
+#[inline(always)]
+pub(super) fn point(digits: &Digits, mut index: u32) -> Point {
+    let mut point = [0; 2 * N_PAIRS];
+    for values in digits {
+        if index == 0 {
+            break;
+        }
+        for (sum, value) in point.iter_mut().zip(&values[index as usize % 16]) {
+            *sum ^= value;
+        }
+        index >>= 4;
+    }
+    point
+}
+
+const fn all_digits() -> [Digits; N_JOINT_BLOCKS] {
+    let mut all = [[[[0; 2 * N_PAIRS]; 16]; 8]; N_JOINT_BLOCKS];
     let mut i = 0;
     while i < N_DIMENSIONS {
         let (block, lane) = (i / (2 * N_PAIRS), i % (2 * N_PAIRS));
         let dimension = 2 * PAIRS[block][lane % N_PAIRS] + lane / N_PAIRS;
         let numbers = direction_numbers(dimension);
-        let mut bit = 0;
-        while bit < 32 {
-            all[block][bit][lane] = (numbers[bit] << (31 - bit)).reverse_bits();
-            bit += 1;
+        let mut digit = 0;
+        while digit < 8 {
+            let mut value = 1;
+            while value < 16 {
+                // As the value without its lowest bit, and the column of that bit.
+                let bit = 4 * digit + (value as u32).trailing_zeros() as usize;
+                let column = (numbers[bit] << (31 - bit)).reverse_bits();
+                all[block][digit][value][lane] =
+                    all[block][digit][value & (value - 1)][lane] ^ column;
+                value += 1;
+            }
+            digit += 1;
         }
         i += 1;
     }
@@ -100,36 +128,31 @@ const fn direction_numbers(dimension: usize) -> [u32; 32] {
 
 #[cfg(test)]
 mod tests {
-    use super::{COLUMNS, N_PAIRS};
+    use super::{DIGITS, N_PAIRS, point};
 
     #[test]
     fn the_first_dimensions_are_sobols() {
         // Points 0 to 7 of the first two dimensions, times 8.
-        let point = |index: u32, lane: usize| {
-            (0..32)
-                .filter(|bit| index >> bit & 1 == 1)
-                .fold(0, |sum, bit| sum ^ COLUMNS[0][bit][lane])
-                .reverse_bits()
-                >> 29
+        let points = |lane: usize| -> Vec<u32> {
+            (0..8)
+                .map(|index| point(&DIGITS[0], index)[lane].reverse_bits() >> 29)
+                .collect()
         };
-        let first: Vec<u32> = (0..8).map(|i| point(i, 0)).collect();
-        let second: Vec<u32> = (0..8).map(|i| point(i, N_PAIRS)).collect();
-        assert_eq!(first, [0, 4, 2, 6, 1, 5, 3, 7]);
-        assert_eq!(second, [0, 4, 6, 2, 5, 1, 3, 7]);
+        assert_eq!(points(0), [0, 4, 2, 6, 1, 5, 3, 7]);
+        assert_eq!(points(N_PAIRS), [0, 4, 6, 2, 5, 1, 3, 7]);
     }
 
     #[test]
     fn every_dimension_is_stratified() {
-        for columns in &COLUMNS {
+        // Any 4096 indices in a row that begin at a multiple of as many have one point in each of 4096 cells.
+        for digits in &DIGITS {
             for lane in 0..2 * N_PAIRS {
-                let column = columns.map(|column| column[lane]);
-                let mut seen = [false; 256];
-                for index in 0..256u32 {
-                    let point = (0..8)
-                        .filter(|bit| index >> bit & 1 == 1)
-                        .fold(0, |sum, bit| sum ^ column[bit]);
-                    let cell = (point.reverse_bits() >> 24) as usize;
-                    assert!(!std::mem::replace(&mut seen[cell], true));
+                for first in [0u32, 4096, 0xabcd_e000] {
+                    let mut seen = [false; 4096];
+                    for index in first..first + 4096 {
+                        let cell = (point(digits, index)[lane].reverse_bits() >> 20) as usize;
+                        assert!(!std::mem::replace(&mut seen[cell], true));
+                    }
                 }
             }
         }

@@ -4,6 +4,7 @@
 //! given; local directions have z as the normal.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI};
+use std::hint::select_unpredictable;
 
 use glam::{Vec2, Vec3};
 
@@ -26,8 +27,7 @@ pub fn disk(u: [f32; 2]) -> Vec2 {
 /// `a` if the condition holds, otherwise `b`, without a branch.
 #[inline(always)]
 fn select(condition: bool, a: f32, b: f32) -> f32 {
-    let mask = u32::from(condition).wrapping_neg();
-    f32::from_bits(a.to_bits() & mask | b.to_bits() & !mask)
+    f32::from_bits(select_unpredictable(condition, a.to_bits(), b.to_bits()))
 }
 
 /// Sine and cosine of an angle in [-π/4, π/4] to single precision, by Chebyshev-economised Taylor

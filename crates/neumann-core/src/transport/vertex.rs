@@ -199,7 +199,7 @@ impl SurfaceVertex<'_> {
     #[must_use]
     pub fn receiver(&self) -> Receiver {
         let ns = self.frame.z;
-        let normal = if ns.dot(self.wo) < 0.0 { -ns } else { ns };
+        let normal = ns * 1f32.copysign(ns.dot(self.wo));
         Receiver::new(self.point.position, normal, self.bsdf.is_transmissive())
     }
 

@@ -117,18 +117,18 @@ impl Walk {
     pub fn meet<'a>(&mut self, tracer: &mut Tracer<'a>, weighing: &Weighing) -> Option<Vertex<'a>> {
         let surface = tracer.vertex(&self.ray)?;
         self.throughput *= self.medium.transmittance(surface.distance);
-        let d2 = if self.comes_from_infinity {
-            1.0
-        } else {
-            surface.distance * surface.distance
-        };
-        self.partial = weighing.arrive(self.partial, d2, surface.cos_g(surface.wo));
-        if let Some(light) = self.light.take()
-            && weighing.has_others()
-        {
-            let lights = tracer.scene.lights();
-            let aim = lights.pmf_aim(&surface.receiver(), LightChoice::Tree, light);
-            self.partial = weighing.choose(self.partial, aim / lights.pmf_start(light));
+        if weighing.has_others() {
+            let d2 = if self.comes_from_infinity {
+                1.0
+            } else {
+                surface.distance * surface.distance
+            };
+            self.partial = weighing.arrive(self.partial, d2, surface.cos_g(surface.wo));
+            if let Some(light) = self.light.take() {
+                let lights = tracer.scene.lights();
+                let aim = lights.pmf_aim(&surface.receiver(), LightChoice::Tree, light);
+                self.partial = weighing.choose(self.partial, aim / lights.pmf_start(light));
+            }
         }
         self.comes_from_infinity = false;
         self.n_vertices += 1;
@@ -171,13 +171,15 @@ impl Walk {
             }
             self.throughput *= 1.0 / survival;
         }
-        self.partial = weighing.scatter(
-            self.partial,
-            vertex.surface.cos_g(sample.wi),
-            sample.pdf_w,
-            vertex.surface.pdf_w_reverse(&sample, self.mode),
-            sample.is_delta,
-        );
+        if weighing.has_others() {
+            self.partial = weighing.scatter(
+                self.partial,
+                vertex.surface.cos_g(sample.wi),
+                sample.pdf_w,
+                vertex.surface.pdf_w_reverse(&sample, self.mode),
+                sample.is_delta,
+            );
+        }
         self.is_specular &= sample.is_delta;
         self.receiver = Some(vertex.surface.receiver());
         self.medium = self.medium.beyond(&vertex.surface, sample.wi);

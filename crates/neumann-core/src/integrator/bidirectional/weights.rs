@@ -121,7 +121,7 @@ impl Weighing {
         }
     }
 
-    /// True if techniques compete.
+    /// True if techniques compete. Where none does, weights are 1 and nothing has to be carried along for them.
     #[inline]
     #[must_use]
     pub fn has_others(&self) -> bool {

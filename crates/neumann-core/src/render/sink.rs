@@ -1,0 +1,213 @@
+//! Where paths leave their contributions.
+//!
+//! What belongs to a path's own pixel goes to its tile at once. The rest, splats, wait until all tasks are done, and are
+//! then added by bands of tiles, side by side, in the order of the paths: a sum depends on no thread.
+
+use glam::Vec2;
+use rayon::prelude::*;
+
+use crate::film::techniques::{Record, RecordShape};
+use crate::film::{Contribution, Frame, Slot, TILE_PIXELS, TileGrid};
+use crate::radiometry::Rgb;
+
+/// Bands that splats are sorted into, at most.
+const MAX_BANDS: usize = 64;
+
+/// Where a path leaves its contributions.
+pub struct Sink<'a> {
+    /// `tile[layer * TILE_PIXELS + pixel_in_tile]`; empty where paths belong to no pixel.
+    tile: &'a mut [Rgb],
+    shape: SinkShape,
+    splats: Vec<Splat>,
+    n_refused: u64,
+    /// The pixel of the film that the path belongs to, and its place in the tile.
+    pixel: (u32, u32),
+    pixel_in_tile: usize,
+    records: Vec<Record>,
+}
+
+/// What the sinks of an iteration have in common.
+#[derive(Clone, Copy)]
+pub(super) struct SinkShape {
+    width: usize,
+    height: usize,
+    n_layers: usize,
+    grid: TileGrid,
+    recording: Option<RecordShape>,
+}
+
+/// A contribution to a pixel that is not the path's own.
+#[derive(Clone, Copy)]
+struct Splat {
+    slot: Slot,
+    value: Rgb,
+}
+
+/// The splats of a task, in the order of its paths within each band of tiles.
+#[derive(Default)]
+struct SortedSplats {
+    splats: Vec<Splat>,
+    /// `ends[band]`: index after the band's last splat; empty without splats.
+    ends: Vec<u32>,
+}
+
+/// What a task hands back.
+#[derive(Default)]
+pub(super) struct Yield {
+    splats: SortedSplats,
+    pub(super) records: Vec<Record>,
+    pub(super) n_refused: u64,
+    pub(super) n_rays: u64,
+}
+
+impl SinkShape {
+    pub(super) fn new(frame: &Frame, recording: Option<RecordShape>) -> Self {
+        Self {
+            width: frame.width(),
+            height: frame.height(),
+            n_layers: frame.n_layers(),
+            grid: frame.grid(),
+            recording,
+        }
+    }
+}
+
+impl<'a> Sink<'a> {
+    pub(super) fn new(tile: &'a mut [Rgb], shape: SinkShape) -> Self {
+        Self {
+            tile,
+            shape,
+            splats: Vec::new(),
+            n_refused: 0,
+            pixel: (0, 0),
+            pixel_in_tile: 0,
+            records: Vec::new(),
+        }
+    }
+
+    /// Goes on to a pixel.
+    #[inline]
+    pub(super) fn start_pixel(&mut self, x: usize, y: usize) {
+        self.pixel = (x as u32, y as u32);
+        self.pixel_in_tile = self.shape.grid.slot(0, x, y).in_tile as usize;
+    }
+
+    pub(super) fn into_yield(self, n_rays: u64) -> Yield {
+        Yield {
+            splats: SortedSplats::new(&self.splats, self.shape.grid),
+            records: self.records,
+            n_refused: self.n_refused,
+            n_rays,
+        }
+    }
+
+    /// Keeps a contribution apart by its technique, if that is asked for.
+    #[inline]
+    fn record(&mut self, pixel: (u32, u32), contribution: &Contribution) {
+        if let Some(shape) = self.shape.recording {
+            self.records.push(shape.record(pixel, contribution));
+        }
+    }
+
+    /// Adds to the path's own pixel.
+    #[inline]
+    pub fn add(&mut self, contribution: Contribution) {
+        let value = contribution.value * contribution.mis_weight;
+        if !value.is_radiance() {
+            self.n_refused += 1;
+            return;
+        }
+        self.record(self.pixel, &contribution);
+        let layer = (contribution.bounce as usize).min(self.shape.n_layers);
+        self.tile[layer * TILE_PIXELS + self.pixel_in_tile] += value;
+    }
+
+    /// Adds to the pixel that `raster` falls in, if any; raster (0, 0) is the top left corner of pixel (0, 0).
+    #[inline]
+    pub fn splat(&mut self, raster: Vec2, contribution: Contribution) {
+        let value = contribution.value * contribution.mis_weight;
+        if !value.is_radiance() {
+            self.n_refused += 1;
+            return;
+        }
+        let shape = &self.shape;
+        let is_inside = raster.x >= 0.0
+            && raster.y >= 0.0
+            && raster.x < shape.width as f32
+            && raster.y < shape.height as f32;
+        if !is_inside {
+            return;
+        }
+        let (x, y) = (raster.x as u32, raster.y as u32);
+        let layer = (contribution.bounce as usize).min(shape.n_layers);
+        let slot = shape.grid.slot(layer, x as usize, y as usize);
+        self.record((x, y), &contribution);
+        self.splats.push(Splat { slot, value });
+    }
+}
+
+/// So many times may the number of a tile be halved to be that of its band.
+fn band_shift(grid: TileGrid) -> u32 {
+    let n_tiles_per_band = grid.n_tiles().div_ceil(MAX_BANDS).next_power_of_two();
+    n_tiles_per_band.trailing_zeros()
+}
+
+impl SortedSplats {
+    /// Sorts by counting.
+    fn new(splats: &[Splat], grid: TileGrid) -> Self {
+        if splats.is_empty() {
+            return Self::default();
+        }
+        let shift = band_shift(grid);
+        let band = |splat: &Splat| (splat.slot.tile >> shift) as usize;
+        // First how many each band has, then where each band goes on; at the end, where it ends.
+        let mut ends = vec![0u32; MAX_BANDS];
+        for splat in splats {
+            ends[band(splat)] += 1;
+        }
+        let mut start = 0;
+        for end in &mut ends {
+            start += std::mem::replace(end, start);
+        }
+        let mut sorted = vec![splats[0]; splats.len()];
+        for splat in splats {
+            let next = &mut ends[band(splat)];
+            sorted[*next as usize] = *splat;
+            *next += 1;
+        }
+        Self {
+            splats: sorted,
+            ends,
+        }
+    }
+
+    fn of_band(&self, band: usize) -> &[Splat] {
+        if self.splats.is_empty() {
+            return &[];
+        }
+        let start = if band == 0 { 0 } else { self.ends[band - 1] };
+        &self.splats[start as usize..self.ends[band] as usize]
+    }
+}
+
+/// Adds the splats of tasks to a frame.
+pub(super) fn add_splats(frame: &mut Frame, yields: &[Yield]) {
+    if yields.iter().all(|part| part.splats.splats.is_empty()) {
+        return;
+    }
+    let (shift, per_tile) = (band_shift(frame.grid()), frame.values_per_tile());
+    let add = |(band, values): (usize, &mut [Rgb])| {
+        let first_tile = (band as u32) << shift;
+        for part in yields {
+            for Splat { slot, value } in part.splats.of_band(band) {
+                let tile = (slot.tile - first_tile) as usize;
+                values[tile * per_tile + slot.in_tile as usize] += *value;
+            }
+        }
+    };
+    frame
+        .values()
+        .par_chunks_mut(per_tile << shift)
+        .enumerate()
+        .for_each(add);
+}

@@ -52,6 +52,29 @@ fn test_directions(
 }
 
 #[test]
+fn value_and_density_together_are_what_they_are_alone() {
+    let mut random = Random::new(3);
+    for example in examples() {
+        for (i, mode) in (0..400).flat_map(|i| MODES.map(|mode| (i, mode))) {
+            let wo = directions()[i % directions().len()];
+            let [a, b, _] = random.triple();
+            let wi = warp::uniform_sphere([a, b]);
+            let bsdf = &example.bsdf;
+            let (f, pdf_w) = bsdf.eval_and_pdf_w(wo, wi, mode);
+            let (f_alone, pdf_w_alone) = (bsdf.eval(wo, wi, mode), bsdf.pdf_w(wo, wi, mode));
+            let is_close = |a: f32, b: f32| (a - b).abs() <= 1e-5 * b.abs();
+            assert!(
+                is_close(pdf_w, pdf_w_alone)
+                    && std::iter::zip(f.to_array(), f_alone.to_array())
+                        .all(|(a, b)| is_close(a, b)),
+                "{}, {wo} to {wi}: {f:?} {pdf_w}, alone {f_alone:?} {pdf_w_alone}",
+                example.name
+            );
+        }
+    }
+}
+
+#[test]
 fn warps_of_directions() {
     let mut family = Family::default();
     let mut random = Random::new(1);

@@ -8,6 +8,7 @@ pub mod cells;
 pub mod lights;
 pub mod random;
 pub mod renders;
+pub mod room;
 pub mod scenes;
 pub mod statistics;
 pub mod studio;

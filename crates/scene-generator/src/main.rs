@@ -2,7 +2,7 @@
 //!
 //! `scene-generator FOLDER` writes them; with `--check` it writes nothing and
 //! fails if a file differs from what would be written. The same bytes come out
-//! on every machine.
+//! on every machine. With `--stress` it writes big scenes instead, for measuring.
 
 mod environment;
 mod glb;
@@ -17,21 +17,25 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::{env, fs};
 
-const USAGE: &str = "usage: scene-generator [--check] FOLDER, for example assets/scenes";
+const USAGE: &str = "usage: scene-generator [--check | --stress] FOLDER, for example assets/scenes";
 
 fn main() -> ExitCode {
     let (options, folders): (Vec<_>, Vec<_>) =
         env::args().skip(1).partition(|a| a.starts_with('-'));
-    let is_check = options == ["--check"];
     let [folder] = folders.as_slice() else {
         say(USAGE);
         return ExitCode::from(2);
     };
-    if !(is_check || options.is_empty()) {
-        say(USAGE);
-        return ExitCode::from(2);
-    }
-    let act = if is_check { check } else { write };
+    let options: Vec<&str> = options.iter().map(String::as_str).collect();
+    let act = match options.as_slice() {
+        [] => write,
+        ["--check"] => check,
+        ["--stress"] => write_stress,
+        _ => {
+            say(USAGE);
+            return ExitCode::from(2);
+        }
+    };
     match act(Path::new(folder)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -60,6 +64,17 @@ fn files() -> Result<Vec<(String, Vec<u8>)>, image::ImageError> {
     );
     files.push(("README.md".to_owned(), readme.into_bytes()));
     Ok(files)
+}
+
+/// One by one, as each may be hundreds of megabytes.
+fn write_stress(folder: &Path) -> Result<(), Error> {
+    fs::create_dir_all(folder)?;
+    for (name, build) in scenes::STRESS_SCENES {
+        let contents = build().to_glb();
+        fs::write(folder.join(format!("{name}.glb")), &contents)?;
+        say(&format!("{name}.glb: {} bytes", contents.len()));
+    }
+    Ok(())
 }
 
 fn write(folder: &Path) -> Result<(), Error> {

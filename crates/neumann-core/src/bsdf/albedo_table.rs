@@ -34,13 +34,19 @@ static TABLE: LazyLock<Table> = LazyLock::new(Table::new);
 #[inline]
 #[must_use]
 pub fn directional(f0: Rgb, f90: Rgb, cos: f32, alpha: f32) -> Rgb {
-    let [a, b] = if alpha < super::microfacet::SMOOTH_ALPHA {
+    let [a, b] = split(cos, alpha);
+    f0 * a + f90 * b
+}
+
+/// A and B, which are the same for all interfaces of one roughness.
+#[inline]
+pub(super) fn split(cos: f32, alpha: f32) -> [f32; 2] {
+    if alpha < super::microfacet::SMOOTH_ALPHA {
         let w = schlick_weight(cos);
         [1.0 - w, w]
     } else {
         TABLE.at(cos, alpha)
-    };
-    f0 * a + f90 * b
+    }
 }
 
 /// Mean albedo: the share of uniform light that the interface reflects.

@@ -40,9 +40,8 @@ impl Scatter for Conductor {
             return Rgb::BLACK;
         }
         let (wo, wi) = upper(wo, wi);
-        let m = (wo + wi).normalize();
-        let fresnel = schlick(self.f0, self.f90, wo.dot(m));
-        fresnel * (self.ggx.d(m) * self.ggx.g2(wo, wi) / (4.0 * wo.z * wi.z))
+        let reflected = self.ggx.reflected(wo, wi);
+        schlick(self.f0, self.f90, reflected.cos_m) * reflected.value
     }
 
     #[inline]
@@ -51,10 +50,21 @@ impl Scatter for Conductor {
             return 0.0;
         }
         let (wo, wi) = upper(wo, wi);
-        pdf_w_reflected(self.ggx, wo, wi)
+        self.ggx.reflected(wo, wi).pdf_w
     }
 
     #[inline]
+    fn eval_and_pdf_w(&self, wo: Vec3, wi: Vec3, _mode: TransportMode) -> (Rgb, f32) {
+        if self.is_delta() || !is_reflection(wo, wi) {
+            return (Rgb::BLACK, 0.0);
+        }
+        let (wo, wi) = upper(wo, wi);
+        let reflected = self.ggx.reflected(wo, wi);
+        let fresnel = schlick(self.f0, self.f90, reflected.cos_m);
+        (fresnel * reflected.value, reflected.pdf_w)
+    }
+
+    #[inline(never)]
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample> {
         if wo.z == 0.0 {
             return None;
@@ -70,10 +80,11 @@ impl Scatter for Conductor {
             });
         }
         let wi = sample_reflected(self.ggx, wo, [u[1], u[2]])?;
+        let (f, pdf_w) = self.eval_and_pdf_w(wo, wi, mode);
         Some(BsdfSample {
             wi,
-            f: self.eval(wo, wi, mode),
-            pdf_w: self.pdf_w(wo, wi, mode),
+            f,
+            pdf_w,
             is_delta: false,
         })
     }
@@ -85,15 +96,7 @@ pub(super) fn upper(wo: Vec3, wi: Vec3) -> (Vec3, Vec3) {
     if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) }
 }
 
-/// Density of [`sample_reflected`], 1/sr; both directions on the upper side.
-#[inline]
-pub(super) fn pdf_w_reflected(ggx: Ggx, wo: Vec3, wi: Vec3) -> f32 {
-    let m = (wo + wi).normalize();
-    // D(m) G1(wo) (wo·m) / wo.z, times the Jacobian 1 / (4 wo·m) of reflection.
-    ggx.g1(wo) * ggx.d(m) / (4.0 * wo.z)
-}
-
-/// A reflection at a visible facet; `None` if it goes below the surface.
+/// A reflection at a visible facet, of density [`Ggx::reflected`]; `None` if it goes below the surface.
 #[inline]
 pub(super) fn sample_reflected(ggx: Ggx, wo: Vec3, u: [f32; 2]) -> Option<Vec3> {
     let side = 1f32.copysign(wo.z);

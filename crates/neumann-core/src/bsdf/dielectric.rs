@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use super::conductor::{pdf_w_reflected, sample_reflected, upper};
+use super::conductor::{sample_reflected, upper};
 use super::fresnel::{self, Interface};
 use super::microfacet::Ggx;
 use super::{BsdfSample, Scatter, TransportMode, is_reflection};
@@ -182,15 +182,15 @@ impl Scatter for Dielectric {
         }
         if is_reflection(wo, wi) {
             let (o, i) = upper(wo, wi);
-            let cos = o.dot((o + i).normalize());
-            let p = self.p_reflect(self.interface(wo, cos).reflectance);
-            return p * pdf_w_reflected(self.ggx, o, i);
+            let reflected = self.ggx.reflected(o, i);
+            let p = self.p_reflect(self.interface(wo, reflected.cos_m).reflectance);
+            return p * reflected.pdf_w;
         }
         if self.walls == Walls::Thin {
             let (o, i) = upper(wo, Vec3::new(wi.x, wi.y, -wi.z));
-            let cos = o.dot((o + i).normalize());
-            let p = 1.0 - self.p_reflect(self.interface(wo, cos).reflectance);
-            return p * pdf_w_reflected(self.ggx, o, i);
+            let reflected = self.ggx.reflected(o, i);
+            let p = 1.0 - self.p_reflect(self.interface(wo, reflected.cos_m).reflectance);
+            return p * reflected.pdf_w;
         }
         let Some(m) = self.refracting_facet(wo, wi) else {
             return 0.0;
@@ -206,6 +206,7 @@ impl Scatter for Dielectric {
         p * self.ggx.pdf_w_visible(upper_wo, m) * jacobian
     }
 
+    #[inline(never)]
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample> {
         if wo.z == 0.0 {
             return None;

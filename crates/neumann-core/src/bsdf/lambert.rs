@@ -34,7 +34,7 @@ impl Scatter for Lambert {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample> {
         let mut wi = warp::cosine_hemisphere([u[1], u[2]]);
         if wo.z < 0.0 {

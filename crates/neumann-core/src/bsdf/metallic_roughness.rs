@@ -11,7 +11,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::conductor::{pdf_w_reflected, sample_reflected, upper};
+use super::conductor::{sample_reflected, upper};
 use super::fresnel::{schlick, schlick_weight};
 use super::microfacet::Ggx;
 use super::{BsdfSample, Conductor, Scatter, TransportMode, albedo_table, is_reflection};
@@ -73,7 +73,7 @@ impl MetallicRoughness {
     pub fn albedo(&self, cos_o: f32) -> Rgb {
         let [f0, f90] = self.specular;
         let specular = albedo_table::directional(f0, f90, cos_o, self.ggx.alpha);
-        specular + self.diffuse * (Rgb::WHITE - self.coat_albedo(cos_o))
+        specular + self.diffuse * (Rgb::WHITE - self.coat_albedo(self.split(cos_o)))
     }
 
     /// Metal and coat alone, as a conductor.
@@ -97,17 +97,23 @@ impl MetallicRoughness {
         }
     }
 
+    /// The albedo table at a cosine, for all that has to be known there.
     #[inline]
-    fn coat_albedo(&self, cos: f32) -> Rgb {
-        albedo_table::directional(self.coat[0], self.coat[1], cos, self.ggx.alpha)
+    fn split(&self, cos: f32) -> [f32; 2] {
+        albedo_table::split(cos, self.ggx.alpha)
     }
 
-    /// Probability to sample the specular lobe: its share of the reflected light.
     #[inline]
-    fn p_specular(&self, cos_o: f32) -> f32 {
+    fn coat_albedo(&self, [a, b]: [f32; 2]) -> Rgb {
+        self.coat[0] * a + self.coat[1] * b
+    }
+
+    /// Probability to sample the specular lobe, its share of the reflected light, from the table at `cos_o`.
+    #[inline]
+    fn p_specular(&self, [a, b]: [f32; 2]) -> f32 {
         let [f0, f90] = self.specular;
-        let specular = albedo_table::directional(f0, f90, cos_o, self.ggx.alpha).mean();
-        let diffuse = (self.diffuse * (Rgb::WHITE - self.coat_albedo(cos_o))).mean();
+        let specular = (f0 * a + f90 * b).mean();
+        let diffuse = (self.diffuse * (Rgb::WHITE - self.coat_albedo([a, b]))).mean();
         if diffuse <= 0.0 {
             return 1.0;
         }
@@ -117,31 +123,39 @@ impl MetallicRoughness {
         (specular / (specular + diffuse)).clamp(0.05, 0.95)
     }
 
+    /// The diffuse base, seen through the coat twice, from the table at `cos_o`.
     #[inline]
-    fn diffuse_f(&self, cos_o: f32, cos_i: f32) -> Rgb {
+    fn diffuse_f(&self, split_o: [f32; 2], cos_i: f32) -> Rgb {
         if self.diffuse.is_black() {
             return Rgb::BLACK;
         }
-        self.diffuse_scale
-            * (Rgb::WHITE - self.coat_albedo(cos_o))
-            * (Rgb::WHITE - self.coat_albedo(cos_i))
+        let in_and_out = [split_o, self.split(cos_i)].map(|s| Rgb::WHITE - self.coat_albedo(s));
+        self.diffuse_scale * in_and_out[0] * in_and_out[1]
+    }
+
+    /// Value and density of a pair of directions on one side, from the table at `cos_o`.
+    #[inline]
+    fn reflection(&self, wo: Vec3, wi: Vec3, split_o: [f32; 2]) -> (Rgb, f32) {
+        let (wo, wi) = upper(wo, wi);
+        let p_specular = self.p_specular(split_o);
+        let diffuse = self.diffuse_f(split_o, wi.z);
+        let diffuse_pdf_w = (1.0 - p_specular) * warp::cosine_hemisphere_pdf_w(wi.z);
+        if self.ggx.is_smooth() {
+            return (diffuse, diffuse_pdf_w);
+        }
+        let reflected = self.ggx.reflected(wo, wi);
+        let [f0, f90] = self.specular;
+        let fresnel = f0.lerp(f90, schlick_weight(reflected.cos_m));
+        (
+            diffuse + fresnel * reflected.value,
+            diffuse_pdf_w + p_specular * reflected.pdf_w,
+        )
     }
 }
 
 impl Scatter for MetallicRoughness {
-    fn eval(&self, wo: Vec3, wi: Vec3, _mode: TransportMode) -> Rgb {
-        if !is_reflection(wo, wi) {
-            return Rgb::BLACK;
-        }
-        let (wo, wi) = upper(wo, wi);
-        let diffuse = self.diffuse_f(wo.z, wi.z);
-        if self.ggx.is_smooth() {
-            return diffuse;
-        }
-        let m = (wo + wi).normalize();
-        let [f0, f90] = self.specular;
-        let fresnel = f0.lerp(f90, schlick_weight(wo.dot(m)));
-        diffuse + fresnel * (self.ggx.d(m) * self.ggx.g2(wo, wi) / (4.0 * wo.z * wi.z))
+    fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
+        self.eval_and_pdf_w(wo, wi, mode).0
     }
 
     fn pdf_w(&self, wo: Vec3, wi: Vec3, _mode: TransportMode) -> f32 {
@@ -149,20 +163,29 @@ impl Scatter for MetallicRoughness {
             return 0.0;
         }
         let (wo, wi) = upper(wo, wi);
-        let p_specular = self.p_specular(wo.z);
+        let p_specular = self.p_specular(self.split(wo.z));
         let diffuse = (1.0 - p_specular) * warp::cosine_hemisphere_pdf_w(wi.z);
         if self.ggx.is_smooth() {
             return diffuse;
         }
-        diffuse + p_specular * pdf_w_reflected(self.ggx, wo, wi)
+        diffuse + p_specular * self.ggx.reflected(wo, wi).pdf_w
     }
 
-    fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample> {
+    fn eval_and_pdf_w(&self, wo: Vec3, wi: Vec3, _mode: TransportMode) -> (Rgb, f32) {
+        if !is_reflection(wo, wi) {
+            return (Rgb::BLACK, 0.0);
+        }
+        self.reflection(wo, wi, self.split(wo.z.abs()))
+    }
+
+    #[inline(never)]
+    fn sample(&self, wo: Vec3, u: [f32; 3], _mode: TransportMode) -> Option<BsdfSample> {
         let cos_o = wo.z.abs();
         if cos_o == 0.0 {
             return None;
         }
-        let p_specular = self.p_specular(cos_o);
+        let split_o = self.split(cos_o);
+        let p_specular = self.p_specular(split_o);
         let wi = if u[0] < p_specular {
             if self.ggx.is_smooth() {
                 let [f0, f90] = self.specular;
@@ -178,10 +201,13 @@ impl Scatter for MetallicRoughness {
             let wi = warp::cosine_hemisphere([u[1], u[2]]);
             Vec3::new(wi.x, wi.y, wi.z.copysign(wo.z))
         };
-        let pdf_w = self.pdf_w(wo, wi, mode);
-        (pdf_w > 0.0).then(|| BsdfSample {
+        if !is_reflection(wo, wi) {
+            return None;
+        }
+        let (f, pdf_w) = self.reflection(wo, wi, split_o);
+        (pdf_w > 0.0).then_some(BsdfSample {
             wi,
-            f: self.eval(wo, wi, mode),
+            f,
             pdf_w,
             is_delta: false,
         })

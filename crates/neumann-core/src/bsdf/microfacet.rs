@@ -19,6 +19,18 @@ pub struct Ggx {
 /// than single precision can evaluate (\[PBR4\] 9.6 draws the line at the same place).
 pub const SMOOTH_ALPHA: f32 = 1e-3;
 
+/// What a pair of directions is to mirror-like facets.
+#[derive(Clone, Copy, Debug)]
+pub struct Reflected {
+    /// Cosine of either direction with the facets that reflect one into the other.
+    pub cos_m: f32,
+    /// The BSDF over Fresnel's term, `D G2 / (4 cos_o cos_i)`, 1/sr.
+    pub value: f32,
+    /// Density of the direction that visible facets reflect `wo` to, 1/sr: `D G1(wo) (wo·m) / cos_o`, times the Jacobian
+    /// `1 / (4 wo·m)` of reflection.
+    pub pdf_w: f32,
+}
+
 impl Ggx {
     /// True where the surface counts as perfectly smooth.
     #[inline]
@@ -58,6 +70,20 @@ impl Ggx {
     #[must_use]
     pub fn g2(self, wo: Vec3, wi: Vec3) -> f32 {
         1.0 / (1.0 + self.lambda(wo) + self.lambda(wi))
+    }
+
+    /// A reflection from `wo` to `wi`, both on the upper side.
+    #[inline]
+    #[must_use]
+    pub fn reflected(self, wo: Vec3, wi: Vec3) -> Reflected {
+        let m = (wo + wi).normalize();
+        let (lambda_o, lambda_i) = (self.lambda(wo), self.lambda(wi));
+        let facets = self.d(m) / (4.0 * wo.z);
+        Reflected {
+            cos_m: wo.dot(m),
+            value: facets / ((1.0 + lambda_o + lambda_i) * wi.z),
+            pdf_w: facets / (1.0 + lambda_o),
+        }
     }
 
     /// Draws a normal visible from `wo` (z > 0).

@@ -35,6 +35,7 @@ impl Scatter for Mix {
         opaque + (self.glass.pdf_w(wo, wi, mode) - opaque) * self.glass_share
     }
 
+    #[inline(never)]
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample> {
         let share = self.glass_share;
         let (mut sample, p) = if u[0] < share {
@@ -48,8 +49,7 @@ impl Scatter for Mix {
             sample.f *= p;
             sample.pdf_w *= p;
         } else {
-            sample.f = self.eval(wo, sample.wi, mode);
-            sample.pdf_w = self.pdf_w(wo, sample.wi, mode);
+            (sample.f, sample.pdf_w) = self.eval_and_pdf_w(wo, sample.wi, mode);
         }
         Some(sample)
     }

@@ -73,6 +73,10 @@ pub trait Scatter {
     fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb;
     /// Density with which [`Self::sample`] yields `wi`, 1/sr, delta lobes not counted.
     fn pdf_w(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32;
+    /// Both at once, which may be less work.
+    fn eval_and_pdf_w(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+        (self.eval(wo, wi, mode), self.pdf_w(wo, wi, mode))
+    }
     /// Draws a direction; `None` means no light this way.
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample>;
 }
@@ -180,6 +184,18 @@ impl Scatter for Bsdf {
     }
 
     #[inline]
+    fn eval_and_pdf_w(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+        match self {
+            Self::Black => (Rgb::BLACK, 0.0),
+            Self::Lambert(b) => b.eval_and_pdf_w(wo, wi, mode),
+            Self::Conductor(b) => b.eval_and_pdf_w(wo, wi, mode),
+            Self::Dielectric(b) => b.eval_and_pdf_w(wo, wi, mode),
+            Self::MetallicRoughness(b) => b.eval_and_pdf_w(wo, wi, mode),
+            Self::Mix(b) => b.eval_and_pdf_w(wo, wi, mode),
+        }
+    }
+
+    #[inline(always)]
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample> {
         match self {
             Self::Black => None,

@@ -4,30 +4,32 @@
 //! given; local directions have z as the normal.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI};
-use std::hint::select_unpredictable;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 /// Uniform on the unit disk, area preserving and continuous (Shirley and Chiu 1997); density 1/π.
 #[inline]
 #[must_use]
 pub fn disk(u: [f32; 2]) -> Vec2 {
-    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
-    // The angle from the nearer axis is at most an eighth of a turn. Which axis that is no processor can
-    // predict, so it is chosen without a branch.
-    let is_near_x = a.abs() > b.abs();
-    let (r, across) = (select(is_near_x, a, b), select(is_near_x, b, a));
-    let (sin, cos) = sin_cos_of_octant(FRAC_PI_4 * (across / if r == 0.0 { 1.0 } else { r }));
-    Vec2::new(
-        r * select(is_near_x, cos, sin),
-        r * select(is_near_x, sin, cos),
-    )
+    disk_and_radius(u).0
 }
 
-/// `a` if the condition holds, otherwise `b`, without a branch.
+/// A point of [`disk`] and its distance from the centre, which may be negative.
 #[inline(always)]
-fn select(condition: bool, a: f32, b: f32) -> f32 {
-    f32::from_bits(select_unpredictable(condition, a.to_bits(), b.to_bits()))
+fn disk_and_radius(u: [f32; 2]) -> (Vec2, f32) {
+    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    // The angle from the nearer axis is at most an eighth of a turn. Which axis that is no processor can
+    // predict, so it is chosen in vectors, where there are no branches.
+    let is_near_x = Vec4::splat(a.abs()).cmpgt(Vec4::splat(b.abs()));
+    let select = |a: f32, b: f32| {
+        let [straight, turned] = [Vec4::new(a, b, 0.0, 0.0), Vec4::new(b, a, 0.0, 0.0)];
+        Vec4::select(is_near_x, straight, turned)
+    };
+    let nearer = select(a, b);
+    let (r, across) = (nearer.x, nearer.y);
+    let (sin, cos) = sin_cos_of_octant(FRAC_PI_4 * (across / if r == 0.0 { 1.0 } else { r }));
+    let turned = select(cos, sin);
+    (r * Vec2::new(turned.x, turned.y), r)
 }
 
 /// Sine and cosine of an angle in [-π/4, π/4] to single precision, by Chebyshev-economised Taylor
@@ -60,8 +62,8 @@ pub const UNIFORM_HEMISPHERE_PDF_W: f32 = 0.5 * FRAC_1_PI;
 #[inline]
 #[must_use]
 pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
-    let p = disk(u);
-    Vec3::new(p.x, p.y, (1.0 - p.length_squared()).max(0.0).sqrt())
+    let (p, r) = disk_and_radius(u);
+    Vec3::new(p.x, p.y, (1.0 - r * r).max(0.0).sqrt())
 }
 
 /// Density of [`cosine_hemisphere`], 1/sr; zero below.

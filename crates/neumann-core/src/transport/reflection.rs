@@ -47,7 +47,7 @@ pub fn start_sample(sampler: &mut Sampler) -> LightSample {
 }
 
 /// Aims at one light and looks whether it is seen; `None` if no light comes this way.
-#[inline]
+#[inline(always)]
 pub fn aim_at_light(
     tracer: &mut Tracer<'_>,
     vertex: &SurfaceVertex<'_>,
@@ -69,7 +69,7 @@ pub fn aim_at_light(
 }
 
 /// Aims at one light as if nothing were in the way.
-#[inline]
+#[inline(always)]
 pub fn aim_unshadowed(
     tracer: &Tracer<'_>,
     vertex: &SurfaceVertex<'_>,

@@ -63,14 +63,14 @@ impl<'a> Tracer<'a> {
     }
 
     /// The first surface that the ray meets, with everything needed to scatter there.
-    #[inline]
+    #[inline(always)]
     pub fn vertex(&mut self, ray: &Ray) -> Option<SurfaceVertex<'a>> {
         let hit = self.hit(ray)?;
         Some(self.surface_vertex(-ray.direction, &hit))
     }
 
     /// The first surface that the ray meets; surfaces with alpha may let it pass.
-    #[inline]
+    #[inline(always)]
     pub fn hit(&mut self, ray: &Ray) -> Option<Hit> {
         self.n_rays += 1;
         let hit = self.scene.geometry().bvh().closest_hit(ray)?;
@@ -109,7 +109,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Share of light that gets along the ray to its end.
-    #[inline]
+    #[inline(always)]
     pub fn transmittance(&mut self, ray: &Ray) -> f32 {
         self.n_rays += 1;
         if !self.scene.has_alpha() {
@@ -175,7 +175,7 @@ impl<'a> Tracer<'a> {
         self.surface_vertex(wo, &hit)
     }
 
-    #[inline]
+    #[inline(always)]
     fn surface_vertex(&self, wo: Vec3, hit: &Hit) -> SurfaceVertex<'a> {
         let geometry = self.scene.geometry();
         let facet = geometry.facet(hit.triangle);

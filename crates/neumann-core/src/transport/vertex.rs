@@ -95,7 +95,7 @@ impl SurfaceVertex<'_> {
     }
 
     /// `f · cos_i` with the density of `wi`, delta lobes not counted; `None` where nothing is scattered.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn f_cos_and_pdf_w(&self, wi: Vec3, mode: TransportMode) -> Option<(Rgb, f32)> {
         if !self.sides_agree(wi) {
@@ -103,12 +103,12 @@ impl SurfaceVertex<'_> {
         }
         let wo_local = self.frame.local_from_world(self.wo);
         let wi_local = self.frame.local_from_world(wi);
-        let f = self.bsdf.eval(wo_local, wi_local, mode);
+        let (f, pdf_w) = self.bsdf.eval_and_pdf_w(wo_local, wi_local, mode);
         if f.is_black() {
             return None;
         }
         let f_cos = f * (wi_local.z.abs() * self.normal_correction(wi, mode));
-        Some((f_cos, self.bsdf.pdf_w(wo_local, wi_local, mode)))
+        Some((f_cos, pdf_w))
     }
 
     /// Density with which [`Self::sample`] yields `wi`, 1/sr, delta lobes not counted.
@@ -175,7 +175,7 @@ impl SurfaceVertex<'_> {
     }
 
     /// As [`Self::sample`], from a BSDF other than the vertex's own (one of its lobes).
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn sample_of(&self, bsdf: &Bsdf, u: [f32; 3], mode: TransportMode) -> Option<VertexSample> {
         let wo_local = self.frame.local_from_world(self.wo);

@@ -13,6 +13,7 @@ mod many;
 mod plates;
 mod pool;
 mod sky;
+mod stress;
 
 use crate::scene::Scene;
 
@@ -31,4 +32,10 @@ pub(crate) const SCENES: [Row; 10] = [
     ("furnace", furnace::furnace),
     ("sky", sky::sky),
     ("many", many::many),
+];
+
+/// Scenes too big to embed, for measuring.
+pub(crate) const STRESS_SCENES: [Row; 2] = [
+    ("five-million", stress::five_million),
+    ("ten-thousand", stress::ten_thousand),
 ];

@@ -2,7 +2,8 @@
 //!
 //! Radiance is bilinear between texel centres. The density is constant over a
 //! texel in (u, v), proportional to the integral of the bilinear radiance over that
-//! texel times sin θ, so that nothing bright is ever drawn with density zero.
+//! texel times sin θ, so that nothing bright is ever drawn with density zero. A map of one
+//! colour is a uniform sky, whose directions need no map.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
@@ -13,6 +14,7 @@ use super::{Bounds, disk_pdf_a, position_before_scene};
 use crate::endpoint::{Aim, Spread, Start, StartDensities};
 use crate::radiometry::Rgb;
 use crate::sampling::discrete::Grid2;
+use crate::sampling::warp;
 use crate::scene::description::EnvironmentDescription;
 
 /// Light from every direction.
@@ -22,12 +24,21 @@ pub struct EnvironmentLight {
     intensity: f32,
     sin_rotation: f32,
     cos_rotation: f32,
-    grid: Grid2,
+    distribution: Distribution,
     /// `∫ L dω`, W/m².
     fluence: Rgb,
 }
 
-/// A uniform map still needs rows, so that its density can follow sin θ.
+/// How directions are drawn.
+#[derive(Clone, Debug)]
+enum Distribution {
+    /// Uniformly: radiance is the same from everywhere.
+    Uniform(Rgb),
+    /// By the texels.
+    Texels(Grid2),
+}
+
+/// A map of one row still needs rows, so that its density can follow sin θ.
 const MIN_ROWS: usize = 64;
 
 impl EnvironmentLight {
@@ -64,12 +75,18 @@ impl EnvironmentLight {
         let intensity = map.intensity * brightness;
         let (sin_rotation, cos_rotation) = map.rotation.sin_cos();
         let grid = Grid2::new(columns, rows, &weights)?;
+        let first = at(0, 0);
+        let distribution = if map.texels.iter().all(|texel| *texel == first) {
+            Distribution::Uniform(first * intensity)
+        } else {
+            Distribution::Texels(grid)
+        };
         (intensity > 0.0).then(|| Self {
             map: Arc::clone(map),
             intensity,
             sin_rotation,
             cos_rotation,
-            grid,
+            distribution,
             fluence: Rgb::from(fluence.map(|c| c as f32)) * intensity,
         })
     }
@@ -80,7 +97,15 @@ impl EnvironmentLight {
 
     /// Radiance from `direction`, which points away from the scene.
     #[must_use]
+    #[inline]
     pub fn radiance(&self, direction: Vec3) -> Rgb {
+        match &self.distribution {
+            Distribution::Uniform(radiance) => *radiance,
+            Distribution::Texels(_) => self.interpolated(direction),
+        }
+    }
+
+    fn interpolated(&self, direction: Vec3) -> Rgb {
         let [u, v] = self.uv(direction);
         let (w, h) = (self.map.width, self.map.height);
         let (x, y) = (u * w as f32 - 0.5, v * h as f32 - 0.5);
@@ -97,17 +122,12 @@ impl EnvironmentLight {
     /// Density of `direction` in `aim`, 1/sr.
     #[must_use]
     pub fn pdf_w(&self, direction: Vec3) -> f32 {
-        let uv = self.uv(direction);
-        self.pdf_w_from_density(self.grid.density(uv), uv[1])
-    }
-
-    fn pdf_w_from_density(&self, density: f32, v: f32) -> f32 {
-        // dω = sin θ dθ dφ = 2π² sin θ du dv.
-        let sin = (PI * v).sin();
-        if sin > 0.0 {
-            density / (TAU * PI * sin)
-        } else {
-            0.0
+        match &self.distribution {
+            Distribution::Uniform(_) => warp::UNIFORM_SPHERE_PDF_W,
+            Distribution::Texels(grid) => {
+                let uv = self.uv(direction);
+                pdf_w_from_density(grid.density(uv), uv[1])
+            }
         }
     }
 
@@ -162,9 +182,14 @@ impl EnvironmentLight {
     }
 
     fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32)> {
-        let (uv, density) = self.grid.sample(u);
-        let pdf_w = self.pdf_w_from_density(density, uv[1]);
-        (pdf_w > 0.0).then(|| (self.direction(uv), pdf_w))
+        let (direction, pdf_w) = match &self.distribution {
+            Distribution::Uniform(_) => (warp::uniform_sphere(u), warp::UNIFORM_SPHERE_PDF_W),
+            Distribution::Texels(grid) => {
+                let (uv, density) = grid.sample(u);
+                (self.direction(uv), pdf_w_from_density(density, uv[1]))
+            }
+        };
+        (pdf_w > 0.0).then_some((direction, pdf_w))
     }
 
     /// `u = 1/2 + atan2(x, -z) / 2π`, `v = acos(y) / π` of the direction turned back by the rotation.
@@ -187,6 +212,17 @@ impl EnvironmentLight {
     fn turned(&self, d: Vec3, sin: f32) -> Vec3 {
         let cos = self.cos_rotation;
         Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x)
+    }
+}
+
+/// Density over directions of one over (u, v).
+fn pdf_w_from_density(density: f32, v: f32) -> f32 {
+    // dω = sin θ dθ dφ = 2π² sin θ du dv.
+    let sin = (PI * v).sin();
+    if sin > 0.0 {
+        density / (TAU * PI * sin)
+    } else {
+        0.0
     }
 }
 

@@ -184,6 +184,9 @@ impl Kernel for Avx2 {
 
     #[inline(always)]
     fn prefetch(tree: &WideTree, child: u32) {
+        if !tree.is_far {
+            return;
+        }
         // SAFETY: prefetching has no effect but on speed, whatever the address.
         unsafe {
             let start = if child & LEAF == 0 {

@@ -142,6 +142,7 @@ fn collapse(binary: &Bvh2, items: Items<'_>, cut_levels: Option<usize>) -> WideT
         nodes: in_large_pages(EMPTY_NODE, extents().map(|e| e.n_nodes).sum()),
         leaves: in_large_pages(EMPTY_LEAF, n_leaves),
         depth: top.depth,
+        is_far: false,
     };
     let mut parts = Vec::with_capacity(1 + below.len());
     let mut rest = (tree.nodes.as_mut_slice(), tree.leaves.as_mut_slice());
@@ -169,7 +170,7 @@ fn collapse(binary: &Bvh2, items: Items<'_>, cut_levels: Option<usize>) -> WideT
     for ((_, depth), extent) in top.cuts.iter().zip(&below) {
         tree.depth = tree.depth.max(depth + extent.depth);
     }
-    tree
+    tree.measured()
 }
 
 /// A part of the wide tree that is to be written.

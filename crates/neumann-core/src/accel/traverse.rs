@@ -69,7 +69,7 @@ pub(super) trait Kernel {
     fn meet_boxes(node: &Node, ray: &Prepared, t_max: f32) -> BoxHits;
     /// Hits with `0 < t <= t_max`.
     fn meet_triangles(leaf: &Leaf, ray: &Prepared, t_max: f32) -> LaneHits;
-    /// Asks for the memory of a node or leaf that will be visited.
+    /// Asks for the memory of a node or leaf that will be visited, if the tree is far.
     fn prefetch(tree: &WideTree, child: u32);
 }
 

@@ -36,7 +36,13 @@ pub(super) struct WideTree {
     pub(super) leaves: Vec<Leaf>,
     /// Wide nodes on the longest way down.
     pub(super) depth: usize,
+    /// True if it is so big that most of it is not at hand in the processor's caches.
+    pub(super) is_far: bool,
 }
+
+/// Bytes of a tree from which on it pays to ask for nodes before they are visited: a core's own cache holds about as
+/// much.
+const FAR_BYTES: usize = 512 << 10;
 
 /// A node without children.
 pub(super) const EMPTY_NODE: Node = Node {
@@ -70,6 +76,14 @@ impl WideTree {
             side(0, f32::min, f32::INFINITY),
             side(1, f32::max, f32::NEG_INFINITY),
         ]
+    }
+
+    /// The same, knowing how big it is.
+    pub(super) fn measured(self) -> Self {
+        Self {
+            is_far: self.n_bytes() > FAR_BYTES,
+            ..self
+        }
     }
 
     /// Memory that it takes, bytes.

@@ -288,6 +288,9 @@ impl<'a> Pass<'a> {
                 })
                 .unzip();
             self.take(&yields)?;
+            collected
+                .items
+                .reserve(parts.iter().map(|part| part.items.len()).sum());
             for part in parts {
                 let offset = collected.items.len() as u32;
                 collected.items.extend_from_slice(&part.items);

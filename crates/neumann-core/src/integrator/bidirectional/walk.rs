@@ -164,7 +164,7 @@ impl Walk {
             return false;
         };
         self.throughput *= sample.throughput();
-        if has_roulette && bounce >= roulette::FIRST_BOUNCE {
+        if has_roulette && bounce >= roulette::FIRST_BOUNCE && !sample.is_delta {
             let survival = roulette::survival(self.throughput / self.initial);
             if sampler.next_1d() >= survival {
                 return false;

@@ -108,7 +108,7 @@ impl Integrator for Mis {
                 drawn = Drawn::at(&vertex, choice, &sample);
 
                 // Paths that carry little end by chance.
-                if has_roulette && bounce >= roulette::FIRST_BOUNCE {
+                if has_roulette && bounce >= roulette::FIRST_BOUNCE && !sample.is_delta {
                     let survival = roulette::survival(throughput);
                     if sampler.next_1d() >= survival {
                         return;

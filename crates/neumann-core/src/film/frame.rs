@@ -167,7 +167,7 @@ impl Frame {
         TileGrid::new(self.width, self.height)
     }
 
-    /// Values of a tile: at most so many in each layer.
+    /// Number of values of a tile, all layers together.
     pub(crate) fn values_per_tile(&self) -> usize {
         (self.n_layers + 1) * TILE_PIXELS
     }

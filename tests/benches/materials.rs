@@ -57,6 +57,6 @@ fn example(name: &str) -> Example {
     found.expect("it is in the list")
 }
 
-fn numbers() -> impl Iterator<Item = Sampler> {
+fn numbers() -> impl Iterator<Item = Sampler<'static>> {
     (0..N).map(|path| Sampler::new(1, path, 0))
 }

@@ -18,7 +18,7 @@ impl Random {
     }
 
     /// The next numbers: as many as a sampler can give that no one has used yet.
-    pub fn sampler(&mut self) -> Sampler {
+    pub fn sampler(&mut self) -> Sampler<'static> {
         self.draw += 1;
         Sampler::new(self.seed, self.draw, 0)
     }

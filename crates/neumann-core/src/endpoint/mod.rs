@@ -17,6 +17,8 @@ pub use light::{Light, LightChoice, Lights, Receiver};
 
 use glam::Vec3;
 
+use crate::math::Ray;
+use crate::math::ray::offset_point;
 use crate::radiometry::Rgb;
 
 /// A point of a surface, with what is known of its rounding error.
@@ -95,6 +97,23 @@ pub struct Start {
     pub is_delta_position: bool,
     /// True where all rays have one direction.
     pub is_delta_direction: bool,
+}
+
+impl Start {
+    /// What the ray carries, over the density with which it was started: power for a light.
+    #[inline]
+    #[must_use]
+    pub fn throughput(&self) -> Rgb {
+        self.value * (self.cos / (self.densities.pdf_a * self.densities.pdf_w))
+    }
+
+    /// The ray, moved off the surface that it starts on.
+    #[inline]
+    #[must_use]
+    pub fn ray(&self) -> Ray {
+        let origin = offset_point(self.position, self.error, self.ng, self.direction);
+        Ray::new(origin, self.direction)
+    }
 }
 
 /// An endpoint aimed at from a point x.

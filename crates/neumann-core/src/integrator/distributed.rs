@@ -126,7 +126,7 @@ impl Distributed {
         branch: Branch,
         max_bounces: u32,
         tracer: &mut Tracer<'_>,
-        sampler: &mut Sampler,
+        sampler: &mut Sampler<'_>,
         sink: &mut Sink<'_>,
     ) {
         let Branch {

@@ -4,13 +4,19 @@
 //! sent to the lens, if it is seen from there. The walk is that of the path tracer, with
 //! importance for radiance, and pixels are found instead of chosen.
 
-use crate::integrator::bidirectional::connect::{see_light, splat};
-use crate::integrator::bidirectional::{Walk, Weighing};
+use glam::Vec2;
+
+use crate::bsdf::TransportMode;
+use crate::endpoint::Camera;
+use crate::film::{Contribution, Strategy};
+use crate::integrator::bidirectional::connect::see_light;
 use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
+use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass};
-use crate::sampling::Sampler;
+use crate::sampling::{Sampler, roulette};
 use crate::scene::Scene;
 use crate::transport::reflection::start_sample;
+use crate::transport::{Medium, SurfaceVertex, Tracer};
 
 /// The row of the registry.
 pub static METHOD: Method = Method {
@@ -55,8 +61,6 @@ impl Integrator for LightTracing {
         // As many paths as pixels, so that an iteration is as much work as that of a path tracer.
         let n_paths = pass.n_pixels();
         let numbers = pass.light_numbers(n_paths);
-        // The only technique: all weights are 1.
-        let weighing = Weighing::one_technique();
         pass.trace_light_paths(
             scene,
             n_paths,
@@ -70,28 +74,45 @@ impl Integrator for LightTracing {
                 if let Some((raster, seen)) = see_light(tracer, camera, &start, u, n_paths) {
                     sink.splat(raster, seen);
                 }
-                let mut walk = Walk::from_light(&start, &weighing);
-                while let Some(vertex) = walk.meet(tracer, &weighing) {
-                    sampler.start_bounce(walk.bounce());
-
-                    if walk.bounce() == max_bounces {
+                let power = start.throughput();
+                let mut throughput = power;
+                let mut medium = Medium::VACUUM;
+                let mut ray = start.ray();
+                for bounce in 0..max_bounces {
+                    // Where does it land?
+                    let Some(found) = tracer.hit(&ray) else {
                         return;
-                    }
+                    };
+                    let vertex = tracer.surface_vertex(-ray.direction, &found);
+                    throughput *= medium.transmittance(vertex.distance);
 
-                    // What scatters here, seen by the lens.
-                    if vertex.surface.bsdf.has_density() {
+                    // What scatters there, seen by the lens.
+                    sampler.start_bounce(bounce);
+                    if vertex.bsdf.has_density() {
                         let u = lens_sample(sampler);
-                        if let Some((raster, seen)) =
-                            splat(tracer, camera, &vertex, u, n_paths, &weighing)
-                        {
-                            sink.splat(raster, seen);
+                        if let Some(seen) = see_vertex(tracer, camera, &vertex, medium, u) {
+                            let value = throughput * seen.share / n_paths as f32;
+                            sink.splat(seen.raster, splat(bounce + 1, value));
                         }
                     }
 
                     // Draw a direction from the BSDF, and on to the next vertex.
-                    if !walk.scatter(&vertex, sampler, has_roulette, &weighing) {
+                    let [a, b] = sampler.next_2d();
+                    let Some(sample) = vertex.sample([sampler.next_1d(), a, b], MODE) else {
                         return;
+                    };
+                    throughput *= sample.throughput();
+
+                    // Paths that carry little end by chance.
+                    if has_roulette && bounce >= roulette::FIRST_BOUNCE && !sample.is_delta {
+                        let survival = roulette::survival(throughput / power.max_channel());
+                        if sampler.next_1d() >= survival {
+                            return;
+                        }
+                        throughput *= 1.0 / survival;
                     }
+                    medium = medium.beyond(&vertex, sample.wi);
+                    ray = vertex.ray(sample.wi);
                 }
             },
         )?;
@@ -99,8 +120,53 @@ impl Integrator for LightTracing {
     }
 }
 
+const MODE: TransportMode = TransportMode::Importance;
+
+/// What the lens sees of a vertex.
+struct Seen {
+    raster: Vec2,
+    /// Of the power that arrives at the vertex, what is added to the pixel.
+    share: Rgb,
+}
+
+/// Aims at the lens from a vertex that was reached through a medium; `None` if nothing gets there.
+#[inline]
+fn see_vertex(
+    tracer: &mut Tracer<'_>,
+    camera: &Camera,
+    vertex: &SurfaceVertex<'_>,
+    medium: Medium,
+    u: [f32; 2],
+) -> Option<Seen> {
+    let (aim, raster) = camera.aim(vertex.point.position, u)?;
+    let f_cos = vertex.f_cos(aim.wi, MODE);
+    if f_cos.is_black() {
+        return None;
+    }
+    let visibility = tracer.visibility(&vertex.point, &aim);
+    if visibility <= 0.0 {
+        return None;
+    }
+    let through = medium.beyond(vertex, aim.wi).transmittance(aim.distance);
+    Some(Seen {
+        raster,
+        share: f_cos * aim.value * through * (visibility / aim.pdf_w),
+    })
+}
+
+/// Light that arrives on the lens after `bounce` scattering events.
+#[inline]
+fn splat(bounce: u32, value: Rgb) -> Contribution {
+    Contribution {
+        value,
+        mis_weight: 1.0,
+        bounce,
+        strategy: Strategy::connect(bounce as u16 + 1, 1),
+    }
+}
+
 /// Random numbers for a point of the lens.
 #[inline]
-pub(super) fn lens_sample(sampler: &mut Sampler) -> [f32; 2] {
+pub(super) fn lens_sample(sampler: &mut Sampler<'_>) -> [f32; 2] {
     sampler.next_2d()
 }

@@ -345,7 +345,7 @@ impl Eye<'_> {
         mut path: Segment,
         n_gather: u32,
         tracer: &mut Tracer<'_>,
-        sampler: &mut Sampler,
+        sampler: &mut Sampler<'_>,
         sink: &mut Sink<'_>,
         nearest: &mut Vec<(f32, u32)>,
     ) {
@@ -411,7 +411,7 @@ impl Eye<'_> {
         vertex: &SurfaceVertex<'_>,
         path: &Segment,
         tracer: &mut Tracer<'_>,
-        sampler: &mut Sampler,
+        sampler: &mut Sampler<'_>,
         sink: &mut Sink<'_>,
         nearest: &mut Vec<(f32, u32)>,
     ) {

@@ -229,10 +229,16 @@ impl Integrator for Vcm {
                 }
                 sampler.start_bounce(bounce);
                 let joins = vertex.surface.bsdf.has_density();
+                // The search for photons takes its time to fetch them, so it begins early.
+                let near = grid.as_ref().filter(|_| joins);
+                let near = near.map(|grid| (grid, grid.begin(vertex.surface.point.position)));
                 if joins && has_connections {
                     let u = light_sample(sampler);
                     if let Some(found) = next_event(tracer, &vertex, &u, &weighing) {
                         sink.add(found);
+                    }
+                    if let Some((grid, search)) = &near {
+                        grid.approach(search);
                     }
                     for light in lights.iter() {
                         if u32::from(light.n_vertices + vertex.n_vertices) > max_bounces + 2 {
@@ -243,8 +249,8 @@ impl Integrator for Vcm {
                         }
                     }
                 }
-                if let (true, Some(grid)) = (joins, &grid) {
-                    grid.for_each_near(vertex.surface.point.position, |light, _, _| {
+                if let Some((grid, search)) = &near {
+                    grid.finish(search, |light, _, _| {
                         let strategy = Strategy::merge(light.photon.n_vertices, vertex.n_vertices);
                         if strategy.bounce() > max_bounces {
                             return;

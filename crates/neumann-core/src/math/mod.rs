@@ -1,7 +1,9 @@
 //! Vectors come from glam; here is what glam does not have.
 
 pub mod frame;
+mod prefetch;
 pub mod ray;
 
 pub use frame::Frame;
+pub(crate) use prefetch::prefetch;
 pub use ray::Ray;

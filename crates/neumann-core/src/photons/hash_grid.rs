@@ -4,8 +4,10 @@
 //! in which they were given, so that sums over them have the same bits for any number of threads. They are
 //! kept as copies, since a search that had to follow indices would wait for memory most of its time.
 
-use glam::{IVec3, Vec3};
+use glam::{IVec3, Vec3, Vec4};
 use rayon::prelude::*;
+
+use crate::math::prefetch;
 
 /// Things that have a place, sorted by it.
 #[derive(Clone, Debug)]
@@ -16,8 +18,42 @@ pub struct HashGrid<T> {
     /// `starts[bucket]..starts[bucket + 1]`: its entries.
     starts: Vec<u32>,
     /// Apart from the entries: most that a search looks at are too far away.
-    positions: Vec<Vec3>,
+    positions: Vec<Group>,
     entries: Vec<T>,
+}
+
+/// Entries whose distances are found at once.
+const LANES: usize = 4;
+
+/// Positions of [`LANES`] entries, axis by axis.
+#[derive(Clone, Copy, Debug)]
+struct Group([Vec4; 3]);
+
+impl Group {
+    fn of<T: Placed>(entries: &[T]) -> Self {
+        let mut axes = [Vec4::ZERO; 3];
+        for (lane, entry) in entries.iter().enumerate() {
+            let position = entry.position();
+            for (axis, values) in axes.iter_mut().enumerate() {
+                values[lane] = position[axis];
+            }
+        }
+        Self(axes)
+    }
+
+    #[inline]
+    fn distances_squared(&self, x: Vec3) -> Vec4 {
+        let [dx, dy, dz] = [0, 1, 2].map(|axis| self.0[axis] - x[axis]);
+        dx * dx + dy * dy + dz * dz
+    }
+}
+
+/// A search under way.
+#[derive(Clone, Copy, Debug)]
+pub struct Search {
+    x: Vec3,
+    /// Those of the cells that the ball meets.
+    buckets: [u32; 8],
 }
 
 /// Entries that are read together.
@@ -70,7 +106,12 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
             .with_min_len(4096)
             .map(|index| entry(&items[index as usize]))
             .collect();
-        grid.positions = grid.entries.par_iter().map(Placed::position).collect();
+        grid.positions = grid
+            .entries
+            .par_chunks(LANES)
+            .with_min_len(1024)
+            .map(Group::of)
+            .collect();
         grid
     }
 
@@ -102,13 +143,17 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
 
     /// Calls `found` with each entry within the radius of `x`, its number, and its squared distance.
     #[inline]
-    pub fn for_each_near(&self, x: Vec3, mut found: impl FnMut(&T, u32, f32)) {
-        let base = (x * self.cells_per_metre - 0.5).floor().as_ivec3();
-        let radius_squared = self.radius * self.radius;
-        let (mut near, mut n_near) = ([(0u32, 0f32); BATCH], 0);
-        // All places in the table first, so that the memory answers them together.
+    pub fn for_each_near(&self, x: Vec3, found: impl FnMut(&T, u32, f32)) {
+        self.finish(&self.begin(x), found);
+    }
+
+    /// Begins a search for what is near `x`. The table is far away in memory: what else there is to do is best done between
+    /// this, [`Self::approach`] and [`Self::finish`].
+    #[inline]
+    #[must_use]
+    pub fn begin(&self, x: Vec3) -> Search {
+        let base = floor(x * self.cells_per_metre - 0.5);
         let mut buckets = [0u32; 8];
-        let mut ranges = [(0u32, 0u32); 8];
         for (corner, bucket) in buckets.iter_mut().enumerate() {
             let offset = IVec3::new(
                 (corner & 1) as i32,
@@ -116,21 +161,47 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
                 (corner >> 2) as i32,
             );
             *bucket = self.bucket(base.wrapping_add(offset));
+            prefetch(&self.starts[*bucket as usize]);
         }
-        for (range, bucket) in ranges.iter_mut().zip(buckets) {
-            let bucket = bucket as usize;
-            *range = (self.starts[bucket], self.starts[bucket + 1]);
+        Search { x, buckets }
+    }
+
+    /// Goes on with a search: asks for the entries that it will look at.
+    #[inline]
+    pub fn approach(&self, search: &Search) {
+        for bucket in search.buckets {
+            let (start, end) = self.range(bucket);
+            if start < end {
+                prefetch(&self.positions[start / LANES]);
+                prefetch(&self.entries[start]);
+            }
         }
+    }
+
+    /// Ends a search: calls `found` with each entry within the radius, its number, and its squared distance.
+    #[inline]
+    pub fn finish(&self, search: &Search, mut found: impl FnMut(&T, u32, f32)) {
+        let Search { x, buckets } = *search;
+        let radius_squared = Vec4::splat(self.radius * self.radius);
+        let (mut near, mut n_near) = ([(0u32, 0f32); BATCH], 0);
+        // All places in the table first, so that the memory answers them together.
+        let ranges = buckets.map(|bucket| self.range(bucket));
         for (corner, (start, end)) in ranges.into_iter().enumerate() {
             // Two cells may share a bucket, which must not be searched twice.
             if start == end || buckets[..corner].contains(&buckets[corner]) {
                 continue;
             }
-            let positions = &self.positions[start as usize..end as usize];
-            for (number, position) in (start..).zip(positions) {
-                let distance_squared = position.distance_squared(x);
-                if distance_squared < radius_squared {
-                    near[n_near] = (number, distance_squared);
+            for group in start / LANES..end.div_ceil(LANES) {
+                let first = group * LANES;
+                let distances_squared = self.positions[group].distances_squared(x);
+                let mut inside = distances_squared.cmplt(radius_squared).bitmask();
+                // Those of the group that belong to other buckets.
+                inside &= !0 << start.saturating_sub(first);
+                inside &= !(!0 << (end - first).min(LANES));
+                while inside != 0 {
+                    let lane = inside.trailing_zeros() as usize;
+                    inside &= inside - 1;
+                    near[n_near] = ((first + lane) as u32, distances_squared[lane]);
                     n_near += 1;
                     if n_near == near.len() {
                         self.hand_over(&near, &mut found);
@@ -154,9 +225,19 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
         }
     }
 
+    /// The entries of a bucket.
+    #[inline]
+    fn range(&self, bucket: u32) -> (usize, usize) {
+        let bucket = bucket as usize;
+        (
+            self.starts[bucket] as usize,
+            self.starts[bucket + 1] as usize,
+        )
+    }
+
     #[inline]
     fn cell(&self, x: Vec3) -> IVec3 {
-        (x * self.cells_per_metre).floor().as_ivec3()
+        floor(x * self.cells_per_metre)
     }
 
     /// Cells come in blocks of 4×4×4 that lie side by side in the table, so that a search touches few lines of memory;
@@ -172,6 +253,15 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
         let inside = (inside.x | inside.y << 2 | inside.z << 4) as u32;
         ((h ^ (h >> 15)) << 6 | inside) & self.mask
     }
+}
+
+/// The cell that a point lies in, without the calls that rounding down takes on processors as old as this program may
+/// run on.
+#[inline]
+fn floor(x: Vec3) -> IVec3 {
+    let towards_zero = x.as_ivec3();
+    let is_above = towards_zero.as_vec3().cmpgt(x);
+    towards_zero.wrapping_sub(IVec3::select(is_above, IVec3::ONE, IVec3::ZERO))
 }
 
 #[cfg(test)]

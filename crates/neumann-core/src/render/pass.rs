@@ -16,7 +16,7 @@ use crate::endpoint::Camera;
 use crate::film::techniques::TechniqueFilm;
 use crate::film::{Frame, PhotonReport, TileBounds};
 use crate::radiometry::Rgb;
-use crate::sampling::Sampler;
+use crate::sampling::{PixelNumbers, Sampler};
 use crate::scene::Scene;
 use crate::transport::Tracer;
 
@@ -60,7 +60,7 @@ impl LightNumbers {
     /// The numbers of a light path.
     #[inline]
     #[must_use]
-    pub fn path(&self, index: usize) -> Sampler {
+    pub fn path(&self, index: usize) -> Sampler<'static> {
         Sampler::of_sequence(self.seed, self.first + index as u64)
     }
 }
@@ -179,7 +179,7 @@ impl<'a> Pass<'a> {
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
     pub fn trace_pixels<F>(&mut self, scene: &Scene, path: F) -> Result<(), Cancelled>
     where
-        F: Fn(Vec2, &mut Tracer<'_>, &mut Sampler, &mut Sink<'_>) + Sync,
+        F: Fn(Vec2, &mut Tracer<'_>, &mut Sampler<'_>, &mut Sink<'_>) + Sync,
     {
         self.trace_pixels_with(
             scene,
@@ -200,11 +200,12 @@ impl<'a> Pass<'a> {
     ) -> Result<(), Cancelled>
     where
         M: Fn() -> R + Sync + Send,
-        F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &mut Sampler, &mut Sink<'_>) + Sync,
+        F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>) + Sync,
     {
         let width = self.frame.width();
         let (grid, per_tile) = (self.frame.grid(), self.frame.values_per_tile());
-        let (seed, iteration, cancel) = (self.seed, self.iteration, self.cancel);
+        let numbers = PixelNumbers::new(self.seed, self.iteration);
+        let cancel = self.cancel;
         let shape = self.sink_shape();
         let rounds = self.rounds(grid.n_tiles());
         for round in &rounds {
@@ -234,7 +235,7 @@ impl<'a> Pass<'a> {
                         for x in start[0]..end[0] {
                             sink.start_pixel(x, y);
                             let index = y * width + x;
-                            let mut sampler = Sampler::new(seed, index as u64, iteration);
+                            let mut sampler = numbers.of_pixel(x, y, index);
                             let u = sampler.next_2d();
                             let raster = Vec2::new(x as f32 + u[0], y as f32 + u[1]);
                             let sample = PixelSample { raster, index };
@@ -263,7 +264,7 @@ impl<'a> Pass<'a> {
     ) -> Result<Collected<T>, Cancelled>
     where
         T: Copy + Send + Sync,
-        F: Fn(usize, &mut Tracer<'s>, &mut Sampler, &mut Sink<'_>, &mut Vec<T>) + Sync,
+        F: Fn(usize, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>, &mut Vec<T>) + Sync,
     {
         let cancel = self.cancel;
         let shape = self.sink_shape();

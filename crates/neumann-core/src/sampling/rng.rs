@@ -5,21 +5,23 @@
 //! (Owen) scrambling with a hash ([Burley 2020]). What the camera (or the light) and the first two bounces
 //! draw are dimensions of one such sequence, so that the iterations cover their whole space evenly; the dimensions
 //! of later bounces are padded: each pair is a shuffled copy of its own of the first two, a (0,2)-sequence.
+//! The pixels of an image share their points, each moved by a shift of its own ([`PixelNumbers`]).
 //!
 //! Four pairs, about what one bounce needs, are made at once, in vectors where the processor has them.
 
-use super::sobol;
+use super::pixel_numbers::PixelNumbers;
+use super::sobol::{self, Point};
 
 /// Pairs of numbers that are made at once.
 pub(super) const N_PAIRS: usize = 4;
 /// Blocks of pairs kept for each bounce, so that what one bounce draws does not shift the next.
-const BLOCKS_PER_BOUNCE: u32 = 8;
+pub(super) const BLOCKS_PER_BOUNCE: u32 = 8;
 /// Numbers of paths from here on are those of shared sequences.
 const SHARED: u64 = 1 << 63;
 
 /// The random numbers of one path in one iteration.
 #[derive(Clone, Debug)]
-pub struct Sampler {
+pub struct Sampler<'a> {
     key: u64,
     iteration: u32,
     /// Number of the block to be made next.
@@ -30,14 +32,26 @@ pub struct Sampler {
     next: u32,
     /// The second number of a pair of which only the first was drawn.
     spare: Option<f32>,
+    /// What it has in common with the other pixels of an image; nothing for a path by itself.
+    pixel: Option<Pixel<'a>>,
 }
 
-impl Sampler {
+/// A pixel's place among those that share their points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pixel<'a> {
+    pub(super) numbers: &'a PixelNumbers,
+    /// Key of the tile that it lies in.
+    pub(super) tile_key: u64,
+    /// Its number in the tile.
+    pub(super) in_tile: u32,
+}
+
+impl<'a> Sampler<'a> {
     /// The numbers of path number `path` in iteration number `iteration`.
     #[inline]
     #[must_use]
     pub fn new(seed: u64, path: u64, iteration: u32) -> Self {
-        Self::of_key(mix(mix(seed) ^ path), iteration)
+        Self::of_key(path_key(seed, path), iteration)
     }
 
     /// Element number `index` of one sequence that many paths share: what one path draws stratifies what the
@@ -46,6 +60,15 @@ impl Sampler {
     #[must_use]
     pub fn of_sequence(seed: u64, index: u64) -> Self {
         Self::new(seed, SHARED ^ (index >> 32), index as u32)
+    }
+
+    /// The numbers of a pixel with a key of its own.
+    #[inline]
+    pub(super) fn of_pixel(key: u64, iteration: u32, pixel: Pixel<'a>) -> Self {
+        Self {
+            pixel: Some(pixel),
+            ..Self::of_key(key, iteration)
+        }
     }
 
     /// Numbers of the same iteration, apart from these and from those of other branches.
@@ -66,6 +89,7 @@ impl Sampler {
             pairs: [[0.0; N_PAIRS]; 2],
             next: N_PAIRS as u32,
             spare: None,
+            pixel: None,
         }
     }
 
@@ -101,14 +125,27 @@ impl Sampler {
 
     #[inline(never)]
     fn make_block(&mut self) {
-        let hash = mix(self.key ^ (u64::from(self.block) << 32 | 0x9e37));
-        self.pairs = match sobol::digits(self.block, BLOCKS_PER_BOUNCE) {
-            Some(digits) => pairs(Pairs::Joint(self.iteration, digits), hash),
-            None => pairs(Pairs::Padded(self.iteration.reverse_bits()), hash),
+        let point = match &self.pixel {
+            Some(pixel) => pixel.point(self.key, self.block),
+            None => scrambled_point(self.key, self.block, self.iteration),
         };
+        let unit = point.map(unit_from_bits);
+        self.pairs = [0, 1].map(|half| std::array::from_fn(|i| unit[half * N_PAIRS + i]));
         self.block += 1;
         self.next = 0;
     }
+}
+
+/// The key of a path's numbers.
+#[inline]
+pub(super) fn path_key(seed: u64, path: u64) -> u64 {
+    mix(mix(seed) ^ path)
+}
+
+/// The hash of a key for a block.
+#[inline]
+fn block_hash(key: u64, block: u32) -> u64 {
+    mix(key ^ (u64::from(block) << 32 | 0x9e37))
 }
 
 /// How the pairs of a block hang together.
@@ -120,9 +157,14 @@ enum Pairs {
     Padded(u32),
 }
 
-/// A block of points in [0, 1)², scrambled by `hash`.
-#[inline]
-fn pairs(pairs: Pairs, hash: u64) -> [[f32; N_PAIRS]; 2] {
+/// A block of points of element number `index`, scrambled by a key: binary fractions of 32 digits.
+#[inline(always)]
+pub(super) fn scrambled_point(key: u64, block: u32, index: u32) -> Point {
+    let hash = block_hash(key, block);
+    let pairs = match sobol::digits(block, BLOCKS_PER_BOUNCE) {
+        Some(digits) => Pairs::Joint(index, digits),
+        None => Pairs::Padded(index.reverse_bits()),
+    };
     #[cfg(target_arch = "x86_64")]
     if std::is_x86_feature_detected!("avx2") {
         #[allow(unsafe_code, reason = "the processor was just found to have AVX2")]
@@ -134,12 +176,12 @@ fn pairs(pairs: Pairs, hash: u64) -> [[f32; N_PAIRS]; 2] {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn pairs_avx2(pairs: Pairs, hash: u64) -> [[f32; N_PAIRS]; 2] {
+fn pairs_avx2(pairs: Pairs, hash: u64) -> Point {
     pairs_in_lanes(pairs, hash)
 }
 
 #[inline(always)]
-fn pairs_in_lanes(pairs: Pairs, hash: u64) -> [[f32; N_PAIRS]; 2] {
+fn pairs_in_lanes(pairs: Pairs, hash: u64) -> Point {
     // Bits reversed: the first dimension of every pair, then the second.
     let mut points = [0u32; 2 * N_PAIRS];
     match pairs {
@@ -157,8 +199,7 @@ fn pairs_in_lanes(pairs: Pairs, hash: u64) -> [[f32; N_PAIRS]; 2] {
     for (point, seed) in points.iter_mut().zip(&seeds) {
         *point = laine_karras(*point, *seed).reverse_bits();
     }
-    let unit = points.map(unit_from_bits);
-    [0, 1].map(|dimension| std::array::from_fn(|i| unit[dimension * N_PAIRS + i]))
+    points
 }
 
 /// A hash for each lane.

@@ -12,7 +12,7 @@ pub(super) type Point = [u32; 2 * N_PAIRS];
 pub(super) type Digits = [[Point; 16]; 8];
 
 /// Blocks whose dimensions belong to one sequence: the camera's and those of the first two bounces.
-const N_JOINT_BLOCKS: usize = 3;
+pub(super) const N_JOINT_BLOCKS: usize = 3;
 
 /// Which pair of dimensions each pair of a block is. Low dimensions are the better spread, so they go to what varies
 /// an image most: position in the pixel, direction of the first bounce, places on the lights.

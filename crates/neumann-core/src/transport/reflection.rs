@@ -29,7 +29,7 @@ pub struct Aimed {
 
 /// Random numbers for aiming at a light.
 #[inline]
-pub fn light_sample(sampler: &mut Sampler) -> LightSample {
+pub fn light_sample(sampler: &mut Sampler<'_>) -> LightSample {
     LightSample {
         choice: sampler.next_2d(),
         point: sampler.next_2d(),
@@ -39,7 +39,7 @@ pub fn light_sample(sampler: &mut Sampler) -> LightSample {
 
 /// Random numbers for starting a ray at a light.
 #[inline]
-pub fn start_sample(sampler: &mut Sampler) -> LightSample {
+pub fn start_sample(sampler: &mut Sampler<'_>) -> LightSample {
     LightSample {
         direction: sampler.next_2d(),
         ..light_sample(sampler)

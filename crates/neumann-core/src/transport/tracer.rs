@@ -175,8 +175,10 @@ impl<'a> Tracer<'a> {
         self.surface_vertex(wo, &hit)
     }
 
+    /// The surface where a ray that came against `wo` was stopped.
     #[inline(always)]
-    fn surface_vertex(&self, wo: Vec3, hit: &Hit) -> SurfaceVertex<'a> {
+    #[must_use]
+    pub fn surface_vertex(&self, wo: Vec3, hit: &Hit) -> SurfaceVertex<'a> {
         let geometry = self.scene.geometry();
         let facet = geometry.facet(hit.triangle);
         let mesh = &geometry.meshes()[facet.mesh as usize];
@@ -195,14 +197,16 @@ impl<'a> Tracer<'a> {
         } else {
             self.varying_surface(hit, &facet, material)
         };
+        let frame = Frame::from_z(surface.ns);
         SurfaceVertex {
             point: SurfacePoint {
                 position: facet.at(hit.barycentrics),
                 error: facet.error,
                 ng: facet.ng,
             },
-            frame: Frame::from_z(surface.ns),
+            frame,
             wo,
+            wo_local: frame.local_from_world(wo),
             distance: hit.t,
             bsdf: surface.bsdf,
             material,

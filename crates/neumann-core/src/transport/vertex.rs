@@ -24,6 +24,8 @@ pub struct SurfaceVertex<'a> {
     pub frame: Frame,
     /// Direction to the previous vertex.
     pub wo: Vec3,
+    /// The same in the shading frame.
+    pub wo_local: Vec3,
     /// Distance to the previous vertex, metres.
     pub distance: f32,
     /// How the surface scatters, in the shading frame.
@@ -85,29 +87,37 @@ impl SurfaceVertex<'_> {
     #[inline]
     #[must_use]
     pub fn f_cos(&self, wi: Vec3, mode: TransportMode) -> Rgb {
-        if !self.sides_agree(wi) {
+        let wi_local = self.frame.local_from_world(wi);
+        if !self.sides_agree(wi, wi_local) {
             return Rgb::BLACK;
         }
-        let wo_local = self.frame.local_from_world(self.wo);
-        let wi_local = self.frame.local_from_world(wi);
-        let f = self.bsdf.eval(wo_local, wi_local, mode);
-        f * (wi_local.z.abs() * self.normal_correction(wi, mode))
+        let f = self.bsdf.eval(self.wo_local, wi_local, mode);
+        f * (wi_local.z.abs() * self.normal_correction(wi, wi_local, mode))
     }
 
     /// `f · cos_i` with the density of `wi`, delta lobes not counted; `None` where nothing is scattered.
     #[inline(always)]
     #[must_use]
     pub fn f_cos_and_pdf_w(&self, wi: Vec3, mode: TransportMode) -> Option<(Rgb, f32)> {
-        if !self.sides_agree(wi) {
+        self.f_cos_and_pdf_w_of(wi, self.frame.local_from_world(wi), mode)
+    }
+
+    /// As [`Self::f_cos_and_pdf_w`], of a direction that is known in the shading frame as well.
+    #[inline(always)]
+    fn f_cos_and_pdf_w_of(
+        &self,
+        wi: Vec3,
+        wi_local: Vec3,
+        mode: TransportMode,
+    ) -> Option<(Rgb, f32)> {
+        if !self.sides_agree(wi, wi_local) {
             return None;
         }
-        let wo_local = self.frame.local_from_world(self.wo);
-        let wi_local = self.frame.local_from_world(wi);
-        let (f, pdf_w) = self.bsdf.eval_and_pdf_w(wo_local, wi_local, mode);
+        let (f, pdf_w) = self.bsdf.eval_and_pdf_w(self.wo_local, wi_local, mode);
         if f.is_black() {
             return None;
         }
-        let f_cos = f * (wi_local.z.abs() * self.normal_correction(wi, mode));
+        let f_cos = f * (wi_local.z.abs() * self.normal_correction(wi, wi_local, mode));
         Some((f_cos, pdf_w))
     }
 
@@ -115,27 +125,23 @@ impl SurfaceVertex<'_> {
     #[inline]
     #[must_use]
     pub fn pdf_w(&self, wi: Vec3, mode: TransportMode) -> f32 {
-        if !self.sides_agree(wi) {
+        let wi_local = self.frame.local_from_world(wi);
+        if !self.sides_agree(wi, wi_local) {
             return 0.0;
         }
-        self.bsdf.pdf_w(
-            self.frame.local_from_world(self.wo),
-            self.frame.local_from_world(wi),
-            mode,
-        )
+        self.bsdf.pdf_w(self.wo_local, wi_local, mode)
     }
 
     /// `f · cos_i` with the densities either way, delta lobes not counted; `None` where nothing is scattered.
     #[inline]
     #[must_use]
     pub fn scattering(&self, wi: Vec3, mode: TransportMode) -> Option<Scattering> {
-        let (f_cos, pdf_w_forward) = self.f_cos_and_pdf_w(wi, mode)?;
-        let wo_local = self.frame.local_from_world(self.wo);
         let wi_local = self.frame.local_from_world(wi);
+        let (f_cos, pdf_w_forward) = self.f_cos_and_pdf_w_of(wi, wi_local, mode)?;
         Some(Scattering {
             f_cos,
             pdf_w_forward,
-            pdf_w_reverse: self.bsdf.pdf_w(wi_local, wo_local, mode.reversed()),
+            pdf_w_reverse: self.bsdf.pdf_w(wi_local, self.wo_local, mode.reversed()),
         })
     }
 
@@ -143,12 +149,11 @@ impl SurfaceVertex<'_> {
     #[inline]
     #[must_use]
     pub fn densities(&self, wi: Vec3) -> Densities {
-        let wo_local = self.frame.local_from_world(self.wo);
         let wi_local = self.frame.local_from_world(wi);
         let (mode, reversed) = (TransportMode::Radiance, TransportMode::Importance);
         Densities {
-            forward: self.bsdf.pdf_w(wo_local, wi_local, mode),
-            reverse: self.bsdf.pdf_w(wi_local, wo_local, reversed),
+            forward: self.bsdf.pdf_w(self.wo_local, wi_local, mode),
+            reverse: self.bsdf.pdf_w(wi_local, self.wo_local, reversed),
         }
     }
 
@@ -162,7 +167,7 @@ impl SurfaceVertex<'_> {
         }
         self.bsdf.pdf_w(
             self.frame.local_from_world(sample.wi),
-            self.frame.local_from_world(self.wo),
+            self.wo_local,
             mode.reversed(),
         )
     }
@@ -178,13 +183,12 @@ impl SurfaceVertex<'_> {
     #[inline(always)]
     #[must_use]
     pub fn sample_of(&self, bsdf: &Bsdf, u: [f32; 3], mode: TransportMode) -> Option<VertexSample> {
-        let wo_local = self.frame.local_from_world(self.wo);
-        let sample = bsdf.sample(wo_local, u, mode)?;
+        let sample = bsdf.sample(self.wo_local, u, mode)?;
         let wi = self.frame.world_from_local(sample.wi);
-        if !self.sides_agree(wi) {
+        if !self.sides_agree(wi, sample.wi) {
             return None;
         }
-        let f_cos = sample.f * (sample.wi.z.abs() * self.normal_correction(wi, mode));
+        let f_cos = sample.f * (sample.wi.z.abs() * self.normal_correction(wi, sample.wi, mode));
         (!f_cos.is_black()).then_some(VertexSample {
             wi,
             f_cos,
@@ -198,8 +202,7 @@ impl SurfaceVertex<'_> {
     #[inline]
     #[must_use]
     pub fn receiver(&self) -> Receiver {
-        let ns = self.frame.z;
-        let normal = ns * 1f32.copysign(ns.dot(self.wo));
+        let normal = self.frame.z * 1f32.copysign(self.wo_local.z);
         Receiver::new(self.point.position, normal, self.bsdf.is_transmissive())
     }
 
@@ -222,17 +225,17 @@ impl SurfaceVertex<'_> {
 
     /// True if shading and geometric normal agree on the sides of `wo` and `wi`.
     #[inline]
-    fn sides_agree(&self, wi: Vec3) -> bool {
-        let (ng, ns) = (self.point.ng, self.frame.z);
-        ng.dot(wi) * ns.dot(wi) > 0.0 && ng.dot(self.wo) * ns.dot(self.wo) > 0.0
+    fn sides_agree(&self, wi: Vec3, wi_local: Vec3) -> bool {
+        let ng = self.point.ng;
+        ng.dot(wi) * wi_local.z > 0.0 && ng.dot(self.wo) * self.wo_local.z > 0.0
     }
 
     #[inline]
-    fn normal_correction(&self, wi: Vec3, mode: TransportMode) -> f32 {
+    fn normal_correction(&self, wi: Vec3, wi_local: Vec3, mode: TransportMode) -> f32 {
         if mode == TransportMode::Radiance {
             return 1.0;
         }
-        let (ng, ns) = (self.point.ng, self.frame.z);
-        (self.wo.dot(ns) * wi.dot(ng) / (self.wo.dot(ng) * wi.dot(ns))).abs()
+        let ng = self.point.ng;
+        (self.wo_local.z * ng.dot(wi) / (ng.dot(self.wo) * wi_local.z)).abs()
     }
 }

@@ -27,6 +27,11 @@ pub struct Camera {
     lens: Option<Lens>,
     width: f32,
     height: f32,
+    /// Pixels per unit of the film; y runs down.
+    pixels_per_film: Vec2,
+    /// Area of the film, and of the lens or 1.
+    film_area: f32,
+    lens_area: f32,
 }
 
 /// A ray through a point of the raster.
@@ -76,18 +81,23 @@ impl Camera {
             Projection::Perspective { yfov } => (0.5 * yfov).tan(),
             Projection::Orthographic { ymag } => ymag.abs(),
         };
+        let half = Vec2::new(half_height * w / h, half_height);
+        let lens = description
+            .lens
+            .filter(|l| l.aperture > 0.0 && l.focus_distance > 0.0);
         Self {
             position: m.w_axis.truncate(),
             right,
             up: right.cross(forward),
             forward,
-            half: Vec2::new(half_height * w / h, half_height),
+            half,
             projection: description.projection,
-            lens: description
-                .lens
-                .filter(|l| l.aperture > 0.0 && l.focus_distance > 0.0),
+            lens,
             width: w,
             height: h,
+            pixels_per_film: Vec2::new(0.5 * w / half.x, -0.5 * h / half.y),
+            film_area: 4.0 * half.x * half.y,
+            lens_area: lens.map_or(1.0, |l| 0.25 * PI * l.aperture * l.aperture),
         }
     }
 
@@ -122,11 +132,11 @@ impl Camera {
                     self.forward,
                 ),
                 densities: StartDensities {
-                    pdf_a: 1.0 / self.film_area(),
+                    pdf_a: 1.0 / self.film_area,
                     pdf_w: 1.0,
                 },
                 spread: Spread::Parallel {
-                    pdf_a: 1.0 / self.film_area(),
+                    pdf_a: 1.0 / self.film_area,
                 },
                 cos: 1.0,
                 is_delta: true,
@@ -148,7 +158,7 @@ impl Camera {
                 CameraRay {
                     ray: Ray::new(origin, direction),
                     densities: StartDensities {
-                        pdf_a: 1.0 / self.lens_area(),
+                        pdf_a: 1.0 / self.lens_area,
                         pdf_w,
                     },
                     spread: Spread::Point { pdf_w },
@@ -164,6 +174,7 @@ impl Camera {
     ///
     /// `value` of the aim is importance arriving at x, already multiplied by the number of
     /// pixels: light of one path adds `f · cos · value / pdf_w` times its throughput to that pixel.
+    #[inline]
     #[must_use]
     pub fn aim(&self, x: Vec3, u: [f32; 2]) -> Option<(Aim, Vec2)> {
         let n_pixels = self.width * self.height;
@@ -172,7 +183,7 @@ impl Camera {
             let distance = from_film.dot(self.forward);
             let film = Vec2::new(from_film.dot(self.right), from_film.dot(self.up));
             let raster = self.raster_from_film(film)?;
-            let pdf_a = 1.0 / self.film_area();
+            let pdf_a = 1.0 / self.film_area;
             return (distance > 0.0).then_some((
                 Aim {
                     wi: -self.forward,
@@ -192,15 +203,16 @@ impl Camera {
         let on_lens = self.lens_point(u);
         let origin = self.position + self.right * on_lens.x + self.up * on_lens.y;
         let to_x = x - origin;
+        // Most points are outside of the picture, which is told before anything else is asked.
+        let raster = self.raster_of(on_lens, to_x)?;
         let distance = to_x.length();
         let direction = to_x / distance;
         let cos = direction.dot(self.forward);
         if cos <= 1e-6 || !distance.is_finite() {
             return None;
         }
-        let raster = self.raster_of(on_lens, direction)?;
         let pdf_w_start = self.pdf_w(cos);
-        let pdf_a = 1.0 / self.lens_area();
+        let pdf_a = 1.0 / self.lens_area;
         // W_e cos = pixels · pdf_a · pdf_w, so that a camera sample weighs 1 ([PBR4] 5.4.1 online).
         let importance = n_pixels * pdf_w_start * pdf_a / cos;
         let is_pinhole = self.lens.is_none();
@@ -266,7 +278,7 @@ impl Camera {
         }
         let raster = self.raster_of(on_lens, -ray.direction)?;
         let start = StartDensities {
-            pdf_a: 1.0 / self.lens_area(),
+            pdf_a: 1.0 / self.lens_area,
             pdf_w: self.pdf_w(cos),
         };
         Some(LensHit {
@@ -304,18 +316,7 @@ impl Camera {
     /// shears the film but keeps directions to the plane of focus one to one.
     #[inline]
     fn pdf_w(&self, cos: f32) -> f32 {
-        1.0 / (self.film_area() * cos * cos * cos)
-    }
-
-    #[inline]
-    fn film_area(&self) -> f32 {
-        4.0 * self.half.x * self.half.y
-    }
-
-    #[inline]
-    fn lens_area(&self) -> f32 {
-        self.lens
-            .map_or(1.0, |l| 0.25 * PI * l.aperture * l.aperture)
+        1.0 / (self.film_area * cos * cos * cos)
     }
 
     #[inline]
@@ -326,17 +327,17 @@ impl Camera {
         )
     }
 
+    #[inline]
     fn raster_from_film(&self, film: Vec2) -> Option<Vec2> {
-        let raster = Vec2::new(
-            (film.x / self.half.x + 1.0) * 0.5 * self.width,
-            (1.0 - film.y / self.half.y) * 0.5 * self.height,
-        );
+        let middle = Vec2::new(0.5 * self.width, 0.5 * self.height);
+        let raster = film * self.pixels_per_film + middle;
         let is_inside =
             raster.x >= 0.0 && raster.y >= 0.0 && raster.x < self.width && raster.y < self.height;
         is_inside.then_some(raster)
     }
 
-    /// The raster position whose ray from `on_lens` has the given direction.
+    /// The raster position whose ray from `on_lens` has the given direction, which need not be unit.
+    #[inline]
     fn raster_of(&self, on_lens: Vec2, direction: Vec3) -> Option<Vec2> {
         let depth = direction.dot(self.forward);
         let slope = Vec2::new(direction.dot(self.right), direction.dot(self.up)) / depth;

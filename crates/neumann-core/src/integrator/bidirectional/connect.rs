@@ -104,22 +104,14 @@ pub fn splat(
 ) -> Option<(Vec2, Contribution)> {
     let surface = &vertex.surface;
     let (aim, raster) = camera.aim(surface.point.position, u)?;
-    let (f_cos, mis_weight) = if weighing.has_others() {
-        let scattering = surface.scattering(aim.wi, TransportMode::Importance)?;
-        let joint = EndDensities {
-            forward: scattering.pdf_w_forward,
-            reverse: scattering.pdf_w_reverse,
-            cos: surface.cos_g(aim.wi),
-        };
-        let mis_weight = weighing.splat(vertex.partial, &aim, &joint);
-        (scattering.f_cos, mis_weight)
-    } else {
-        (surface.f_cos(aim.wi, TransportMode::Importance), 1.0)
+    let scattering = surface.scattering(aim.wi, TransportMode::Importance)?;
+    let joint = EndDensities {
+        forward: scattering.pdf_w_forward,
+        reverse: scattering.pdf_w_reverse,
+        cos: surface.cos_g(aim.wi),
     };
-    if f_cos.is_black() {
-        return None;
-    }
-    let value = vertex.throughput * f_cos * aim.value / aim.pdf_w;
+    let mis_weight = weighing.splat(vertex.partial, &aim, &joint);
+    let value = vertex.throughput * scattering.f_cos * aim.value / aim.pdf_w;
     let value = value * seen(tracer, vertex, &aim)? / n_light_paths as f32;
     let strategy = Strategy::connect(vertex.n_vertices, 1);
     Some((raster, contribution(value, mis_weight, strategy)))

@@ -9,7 +9,6 @@ use super::{Partial, Weighing};
 use crate::bsdf::TransportMode;
 use crate::endpoint::{Camera, LightChoice, Receiver, Spread, Start};
 use crate::math::Ray;
-use crate::math::ray::offset_point;
 use crate::photons::Photon;
 use crate::radiometry::Rgb;
 use crate::sampling::{Sampler, roulette};
@@ -94,12 +93,10 @@ impl Walk {
     /// A subpath that starts at a light.
     #[must_use]
     pub fn from_light(start: &Start, weighing: &Weighing) -> Self {
-        let densities = start.densities;
-        let throughput = start.value * (start.cos / (densities.pdf_a * densities.pdf_w));
-        let origin = offset_point(start.position, start.error, start.ng, start.direction);
+        let throughput = start.throughput();
         Self {
             mode: TransportMode::Importance,
-            ray: Ray::new(origin, start.direction),
+            ray: start.ray(),
             throughput,
             initial: throughput.max_channel(),
             partial: weighing.of_light(start),
@@ -113,9 +110,10 @@ impl Walk {
     }
 
     /// Goes along the segment to the next vertex; `None` where it leaves the scene.
-    #[inline]
+    #[inline(always)]
     pub fn meet<'a>(&mut self, tracer: &mut Tracer<'a>, weighing: &Weighing) -> Option<Vertex<'a>> {
-        let surface = tracer.vertex(&self.ray)?;
+        let found = tracer.hit(&self.ray)?;
+        let surface = tracer.surface_vertex(-self.ray.direction, &found);
         self.throughput *= self.medium.transmittance(surface.distance);
         if weighing.has_others() {
             let d2 = if self.comes_from_infinity {
@@ -153,7 +151,7 @@ impl Walk {
     pub fn scatter(
         &mut self,
         vertex: &Vertex<'_>,
-        sampler: &mut Sampler,
+        sampler: &mut Sampler<'_>,
         has_roulette: bool,
         weighing: &Weighing,
     ) -> bool {

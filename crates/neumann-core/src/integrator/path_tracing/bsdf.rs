@@ -72,7 +72,7 @@ pub(in crate::integrator) const MODE: TransportMode = TransportMode::Radiance;
 
 /// Random numbers for the direction at bounce number `bounce`: which lobe, and where in it.
 #[inline]
-pub(in crate::integrator) fn bsdf_numbers(sampler: &mut Sampler, bounce: u32) -> [f32; 3] {
+pub(in crate::integrator) fn bsdf_numbers(sampler: &mut Sampler<'_>, bounce: u32) -> [f32; 3] {
     sampler.start_bounce(bounce);
     let [a, b] = sampler.next_2d();
     [sampler.next_1d(), a, b]

@@ -64,7 +64,7 @@ impl Integrator for Mis {
             let mut drawn: Option<Drawn> = None;
             for bounce in 0..=max_bounces {
                 // What does the ray meet? Nothing: the environment emits.
-                let Some(vertex) = tracer.vertex(&ray) else {
+                let Some(found) = tracer.hit(&ray) else {
                     let radiance = scene.lights().environment_radiance(ray.direction);
                     if !radiance.is_black() {
                         let weight = drawn
@@ -73,6 +73,7 @@ impl Integrator for Mis {
                     }
                     return;
                 };
+                let vertex = tracer.surface_vertex(-ray.direction, &found);
                 throughput *= medium.transmittance(vertex.distance);
                 if bounce == 0 {
                     add_unlit(tracer, &vertex, sink);

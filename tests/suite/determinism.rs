@@ -7,12 +7,16 @@ use std::sync::mpsc;
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
+use glam::Vec3;
+use neumann_core::accel::TreeQuality;
 use neumann_core::film::Film;
 use neumann_core::integrator::{Integrator, METHODS, Method, ParameterValues, Sight};
 use neumann_core::render::{CancelToken, Cancelled, Job, Pass, RenderLoop, Renderer, StopRule};
 use neumann_core::scene::Scene;
+use neumann_core::scene::description::{MeshDescription, SceneDescription};
 use neumann_tests::renders::{Setup, pool, pool_of};
-use neumann_tests::scenes::builtin;
+use neumann_tests::room::room_with_spheres;
+use neumann_tests::scenes::{Stage, builtin, emitter, lambert, looking, rectangle};
 
 fn assert_same_bits(a: &Film, b: &Film, what: &str) {
     assert_eq!(a.n_iterations(), b.n_iterations(), "{what}");
@@ -254,6 +258,61 @@ fn the_loop_ends_at_full_resolution_with_the_same_bits() {
         assert_eq!(published.thumbnails.len(), setup.settings.n_layers + 1);
         assert_same_bits(&published.film, &setup.film(0, 2), method.id);
     }
+}
+
+/// A room with enough triangles that a quick tree is built first.
+fn big_scene() -> SceneDescription {
+    let corners = room_with_spheres(30);
+    let mut stage = Stage::default();
+    let mesh = MeshDescription {
+        positions: corners.concat(),
+        triangles: (0..corners.len() as u32)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+            .collect(),
+        ..MeshDescription::default()
+    };
+    stage.add("spheres", mesh, lambert(0.7));
+    let light = rectangle(Vec3::Y * 3.9, Vec3::X, Vec3::Z);
+    stage.add("light", light, emitter(20.0));
+    stage.description.cameras = vec![looking(Vec3::new(0.0, 0.5, 5.5), Vec3::ZERO)];
+    stage.description
+}
+
+#[test]
+fn a_better_tree_changes_no_bit() {
+    let description = big_scene();
+    let quick = Arc::new(Scene::build_quickly(&description));
+    assert_eq!(quick.bvh().quality(), TreeQuality::Quick);
+    let tree = quick.better_tree().expect("there is a better one");
+    let better = Arc::new(quick.with_tree(&tree).expect("it is for this scene"));
+    assert_eq!(better.bvh().quality(), TreeQuality::Full);
+    assert!(better.better_tree().is_none());
+    let at_once = Arc::new(Scene::build(&description));
+    assert!(at_once.with_tree(&tree).is_none(), "of another scene");
+    assert!(builtin("cornell").better_tree().is_none());
+
+    let setup = |scene| Setup::new(scene, 48, 40).up_to(4);
+    let expected = setup(&at_once).film(0, 3);
+    assert_same_bits(&setup(&quick).film(0, 3), &expected, "a quick tree");
+    assert_same_bits(&setup(&better).film(0, 3), &expected, "a better tree");
+
+    // In the middle of a job, which goes on.
+    let (render_loop, bell) = watched_loop();
+    let generation = render_loop.start(Job {
+        scene: Arc::clone(&quick),
+        settings: setup(&quick).settings,
+        stop: StopRule::Never,
+    });
+    wait_for(&render_loop, &bell, |p| p.stats.n_iterations >= 3);
+    render_loop.improve_scene(&at_once, &better);
+    render_loop.improve_scene(&quick, &better);
+    let n = render_loop.published().stats.n_iterations + 20;
+    render_loop.stop_after(StopRule::Iterations(n));
+    wait_for(&render_loop, &bell, |p| p.stats.is_done);
+    let published = render_loop.published();
+    assert_eq!(published.generation, generation);
+    let expected = setup(&at_once).film(0, published.stats.n_iterations);
+    assert_same_bits(&published.film, &expected, "improved under way");
 }
 
 #[test]

@@ -410,7 +410,7 @@ fn instances_look_like_copies() {
     }
     let [shared, copied] = [shared, copied].map(|d| Scene::build(&d));
     assert_eq!(shared.statistics(), copied.statistics());
-    let bytes = [&shared, &copied].map(|scene| scene.geometry().bvh().n_bytes());
+    let bytes = [&shared, &copied].map(|scene| scene.bvh().n_bytes());
     assert!(bytes[0] * 5 < bytes[1], "{bytes:?} bytes");
     let bounds = shared.bounds();
     assert!(bounds.0.is_finite() && bounds.1.is_finite(), "{bounds:?}");

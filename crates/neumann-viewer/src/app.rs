@@ -311,6 +311,11 @@ impl App {
         for arrival in self.background.arrivals() {
             match arrival {
                 Arrival::Scene(source, result) => self.take_opened(source, result),
+                Arrival::Tree(tree) => {
+                    if let Some([scene, better]) = self.setup.take_tree(&tree) {
+                        self.link.improve_scene(&scene, &better);
+                    }
+                }
                 Arrival::Environment(Ok(map)) => {
                     if let Some(open) = &self.setup.open {
                         let mut appearance = open.scene.appearance().clone();
@@ -350,6 +355,7 @@ impl App {
                 if neumann_core::scene::builtin::builtin(&source).is_none() {
                     self.recent.add(&source);
                 }
+                self.background.improve(Arc::clone(&scene));
                 self.take_scene(source, scene);
             }
             Err(error) => {

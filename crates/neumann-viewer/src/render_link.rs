@@ -76,6 +76,18 @@ impl RenderLink {
         };
     }
 
+    /// Goes on with the same scene over a better tree.
+    pub fn improve_scene(&mut self, scene: &Arc<Scene>, better: &Arc<Scene>) {
+        if let Some(job) = &mut self.started
+            && Arc::ptr_eq(&job.scene, scene)
+        {
+            job.scene = Arc::clone(better);
+        }
+        if let End::Live(render_loop) = &self.end {
+            render_loop.improve_scene(scene, better);
+        }
+    }
+
     /// The generation of what was started last: pictures of an older one are of something else.
     #[must_use]
     pub fn generation(&self) -> u64 {

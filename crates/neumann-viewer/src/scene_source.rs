@@ -6,13 +6,15 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use neumann_core::scene::description::EnvironmentDescription;
 use neumann_core::scene::load::{LoadOptions, load_environment};
-use neumann_core::scene::{self, Scene};
+use neumann_core::scene::{self, BetterTree, Scene};
 use neumann_picture::image_file::{Image, read_image};
 
 /// Something that was asked for has come, or has failed.
 pub enum Arrival {
     /// A scene, by the name or path that was asked for.
     Scene(String, Result<Arc<Scene>, String>),
+    /// A better tree for a scene that was opened before.
+    Tree(BetterTree),
     /// An environment map.
     Environment(Result<EnvironmentDescription, String>),
     /// A reference picture, by its path.
@@ -73,9 +75,16 @@ impl Background {
         self.run("neumann-load", move || {
             let options = LoadOptions { allow_outside };
             let scene = scene::open(&source, &options)
-                .map(|description| Arc::new(Scene::build(&description)))
+                .map(|description| Arc::new(Scene::build_quickly(&description)))
                 .map_err(|e| e.to_string());
             Some(Arrival::Scene(source, scene))
+        });
+    }
+
+    /// Builds a better tree for a scene that was built quickly.
+    pub fn improve(&mut self, scene: Arc<Scene>) {
+        self.run("neumann-tree", move || {
+            scene.better_tree().map(Arrival::Tree)
         });
     }
 

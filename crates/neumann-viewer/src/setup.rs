@@ -5,7 +5,7 @@ use std::sync::Arc;
 use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, Method, ParameterValues};
 use neumann_core::render::{RenderSettings, StopRule};
-use neumann_core::scene::{Appearance, Scene};
+use neumann_core::scene::{Appearance, BetterTree, Scene};
 
 use crate::camera_control::CameraControl;
 use crate::options::{CameraOptions, EnvironmentOptions, ViewOptions};
@@ -120,6 +120,15 @@ impl Setup {
             camera: 0,
         });
         self.is_changed = true;
+    }
+
+    /// Takes over a better tree; nothing about the picture changes. Yields the scene as it was and as it is, if the tree is
+    /// for it.
+    pub fn take_tree(&mut self, tree: &BetterTree) -> Option<[Arc<Scene>; 2]> {
+        let open = self.open.as_mut()?;
+        let better = Arc::new(open.scene.with_tree(tree)?);
+        let scene = std::mem::replace(&mut open.scene, Arc::clone(&better));
+        Some([scene, better])
     }
 
     /// Takes one of the file's cameras.

@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 use obvhs::Boundable;
+use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use obvhs::triangle::Triangle;
@@ -12,8 +14,8 @@ use rayon::prelude::*;
 use super::avx2;
 use super::instances::{Instances, Placement};
 use super::portable::Portable;
-use super::traverse::{self, STACK_SIZE};
-use super::wide::{WIDTH, WideTree};
+use super::traverse;
+use super::wide::WideTree;
 use crate::math::Ray;
 
 /// A tree over triangles, and over instances of meshes.
@@ -21,6 +23,16 @@ pub struct Bvh {
     tree: WideTree,
     instances: Option<Box<Instances>>,
     kernel: Kernel,
+    quality: TreeQuality,
+}
+
+/// How much work goes into a tree. What a ray meets is the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TreeQuality {
+    /// Soon there: neighbours on a space-filling curve are merged as they come.
+    Quick,
+    /// Soon walked: the best merge among many, and nodes put back where they cost least.
+    Full,
 }
 
 /// What a ray meets first.
@@ -49,10 +61,10 @@ impl std::fmt::Debug for Bvh {
 }
 
 impl Bvh {
-    /// A tree over triangles with finite corners.
+    /// The best tree over triangles with finite corners.
     #[must_use]
     pub fn new(triangles: &[[Vec3; 3]]) -> Self {
-        Self::with_instances(triangles, &[], &[])
+        Self::with_instances(triangles, &[], &[], TreeQuality::Full)
     }
 
     /// A tree over triangles that stand in the world themselves, whose indices come first, and over meshes
@@ -62,13 +74,21 @@ impl Bvh {
         triangles: &[[Vec3; 3]],
         meshes: &[Vec<[Vec3; 3]>],
         placements: &[Placement],
+        quality: TreeQuality,
     ) -> Self {
         Self {
-            tree: tree_of_triangles(triangles),
+            tree: tree_of_triangles(triangles, quality),
             instances: (!placements.is_empty())
-                .then(|| Box::new(Instances::new(meshes, placements))),
+                .then(|| Box::new(Instances::new(meshes, placements, quality))),
             kernel: Kernel::best(),
+            quality,
         }
+    }
+
+    /// How much work went into it.
+    #[must_use]
+    pub fn quality(&self) -> TreeQuality {
+        self.quality
     }
 
     /// What the ray meets first, if anything.
@@ -147,45 +167,91 @@ impl Hit {
 }
 
 /// A binary tree with one item in each leaf. Reinsertion of half the nodes makes nearly the best tree at half its time; big
-/// scenes get less of it, so that something is on screen soon.
-pub(super) fn binary_tree<T: Boundable>(items: &[T]) -> Bvh2 {
+/// scenes get less of it.
+pub(super) fn binary_tree<T: Boundable>(items: &[T], quality: TreeQuality) -> Bvh2 {
     let n = items.len();
+    let (search, threshold, reinserted) = match quality {
+        TreeQuality::Quick => (PlocSearchDistance::Minimum, 0, 0.0),
+        TreeQuality::Full if n > 500_000 => (PlocSearchDistance::Medium, WIDENED_AFTER, 0.15),
+        TreeQuality::Full => (PlocSearchDistance::Medium, WIDENED_AFTER, 0.5),
+    };
     let mut tree = PlocBuilder::with_capacity(n).build(
-        PlocSearchDistance::Medium,
+        search,
         items,
         (0..n as u32).collect(),
         SortPrecision::U64,
-        SEARCH_DEPTH_THRESHOLD,
+        threshold,
     );
-    let ratio = if n > 500_000 { 0.15 } else { 0.5 };
-    ReinsertionOptimizer::default().run(&mut tree, ratio, None);
+    if reinserted > 0.0 {
+        ReinsertionOptimizer::default().run(&mut tree, reinserted, None);
+    }
     tree
 }
 
 /// Rounds of merging neighbours before the search for them widens: obvhs's own for trees of medium quality.
-const SEARCH_DEPTH_THRESHOLD: usize = 3;
+const WIDENED_AFTER: usize = 3;
 
 /// A wide tree over triangles with finite corners.
-pub(super) fn tree_of_triangles(triangles: &[[Vec3; 3]]) -> WideTree {
+pub(super) fn tree_of_triangles(triangles: &[[Vec3; 3]], quality: TreeQuality) -> WideTree {
     if triangles.is_empty() {
         return WideTree::default();
     }
-    let for_builder: Vec<Triangle> = triangles
+    // What the builder works with is gone before the wide tree is made, which takes most memory.
+    let binary = binary_tree(&for_builder(triangles), quality);
+    let tree = WideTree::of_triangles(&binary, triangles);
+    if tree.fits_stack() {
+        return tree;
+    }
+    WideTree::of_triangles(&halves(&for_builder(triangles)), triangles)
+}
+
+/// Triangles as obvhs has them.
+fn for_builder(triangles: &[[Vec3; 3]]) -> Vec<Triangle> {
+    triangles
         .par_iter()
         .map(|t| Triangle {
             v0: t[0].into(),
             v1: t[1].into(),
             v2: t[2].into(),
         })
-        .collect();
-    let binary = binary_tree(&for_builder);
-    drop(for_builder);
-    let tree = WideTree::of_triangles(&binary, triangles);
-    debug_assert!(
-        tree.depth * (WIDTH - 1) < STACK_SIZE,
-        "the stack has room for the deepest way down"
-    );
-    tree
+        .collect()
+}
+
+/// A binary tree that is no deeper than it must be: items in the order of their middles along the longest axis, halved again
+/// and again. For what makes other trees too deep to be walked, such as thousands of triangles, each twice as big as the last.
+pub(super) fn halves<T: Boundable>(items: &[T]) -> Bvh2 {
+    let boxes: Vec<Aabb> = items.iter().map(Boundable::aabb).collect();
+    let mut order: Vec<u32> = (0..items.len() as u32).collect();
+    let mut nodes = vec![Bvh2Node::default()];
+    let mut stack = vec![(0, 0..items.len())];
+    while let Some((index, range)) = stack.pop() {
+        let mut bounds = Aabb::empty();
+        for item in &order[range.clone()] {
+            bounds.extend(boxes[*item as usize].min);
+            bounds.extend(boxes[*item as usize].max);
+        }
+        if range.len() == 1 {
+            nodes[index] = Bvh2Node::new(bounds, 1, range.start as u32);
+            continue;
+        }
+        let axis = bounds.largest_axis();
+        let middle = range.len() / 2;
+        order[range.clone()].select_nth_unstable_by(middle, |a, b| {
+            let center = |item: &u32| boxes[*item as usize].center()[axis];
+            center(a).total_cmp(&center(b)).then(a.cmp(b))
+        });
+        let children = nodes.len();
+        nodes[index] = Bvh2Node::new(bounds, 0, children as u32);
+        nodes.extend([Bvh2Node::default(); 2]);
+        let cut = range.start + middle;
+        stack.push((children, range.start..cut));
+        stack.push((children + 1, cut..range.end));
+    }
+    Bvh2 {
+        nodes,
+        primitive_indices: order,
+        ..Bvh2::default()
+    }
 }
 
 impl Kernel {
@@ -217,7 +283,8 @@ mod tests {
     use glam::{Affine3A, Quat, Vec3};
     use rayon::prelude::*;
 
-    use super::{Bvh, Kernel, Placement};
+    use super::super::wide::{STACK_SIZE, WIDTH, WideTree};
+    use super::{Bvh, Kernel, Placement, TreeQuality, for_builder, halves};
     use crate::math::Ray;
     use crate::sampling::{Sampler, warp};
 
@@ -335,6 +402,43 @@ mod tests {
     }
 
     #[test]
+    fn trees_of_any_quality_are_hit_alike() {
+        let triangles = sphere(40, 1.0);
+        let [quick, full] = [TreeQuality::Quick, TreeQuality::Full]
+            .map(|quality| Bvh::with_instances(&triangles, &[], &[], quality));
+        let mut halved = Bvh::new(&triangles);
+        halved.tree = WideTree::of_triangles(&halves(&for_builder(&triangles)), &triangles);
+        assert!(quick.tree.nodes.len() != full.tree.nodes.len(), "the same");
+        // Six thousand triangles: thirteen halvings.
+        assert!(halved.tree.depth <= 13);
+        for i in 0..20_000 {
+            let mut sampler = Sampler::new(12, i, 0);
+            let origin = 2.0 * warp::uniform_sphere(sampler.next_2d());
+            let towards = warp::uniform_sphere(sampler.next_2d()) - origin;
+            let ray = Ray::new(origin, towards.normalize());
+            let answers = [&quick, &full, &halved].map(|bvh| {
+                let hit = bvh.closest_hit(&ray);
+                (hit.map(|h| (h.triangle, h.t)), bvh.is_occluded(&ray))
+            });
+            assert!(answers[0] == answers[1] && answers[0] == answers[2]);
+        }
+    }
+
+    #[test]
+    fn a_tree_that_is_too_deep_to_be_walked_is_told() {
+        // Triangles far apart, each half as far as the last: the deepest tree that single precision has room for.
+        let triangles: Vec<[Vec3; 3]> = (-90..30)
+            .map(|i| [Vec3::X, Vec3::ONE, Vec3::new(1.0, 0.0, 1.0)].map(|p| p * 2f32.powi(i)))
+            .collect();
+        assert!(Bvh::new(&triangles).tree.fits_stack());
+        let tree = WideTree {
+            depth: STACK_SIZE / (WIDTH - 1) + 1,
+            ..WideTree::default()
+        };
+        assert!(!tree.fits_stack());
+    }
+
+    #[test]
     fn instances_are_hit_where_their_triangles_would_be() {
         let mesh = sphere(12, 0.5);
         let ground = vec![[
@@ -362,7 +466,7 @@ mod tests {
                     .map(|t| t.map(|v| world_from_mesh.transform_point3(v))),
             );
         }
-        let mut instanced = Bvh::with_instances(&ground, &[mesh], &placements);
+        let mut instanced = Bvh::with_instances(&ground, &[mesh], &placements, TreeQuality::Full);
         let flattened = Bvh::new(&flat);
         for kernel in [Kernel::best(), Kernel::Portable] {
             instanced.kernel = kernel;

@@ -428,7 +428,7 @@ mod tests {
     use glam::Vec3;
     use obvhs::triangle::Triangle;
 
-    use super::super::bvh::binary_tree;
+    use super::super::bvh::{TreeQuality, binary_tree};
     use super::{Items, LEAF, WideTree, collapse};
     use crate::sampling::{Sampler, warp};
 
@@ -476,7 +476,7 @@ mod tests {
                     v2: (*c).into(),
                 })
                 .collect();
-            let binary = binary_tree(&for_builder);
+            let binary = binary_tree(&for_builder, TreeQuality::Full);
             let items = Items::Triangles(&triangles[..n]);
             let whole = collapse(&binary, items, None);
             let (boxes, leaves) = contents(&whole);

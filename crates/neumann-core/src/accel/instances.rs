@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3};
 use obvhs::aabb::Aabb;
 
-use super::bvh::{binary_tree, tree_of_triangles};
+use super::bvh::{TreeQuality, binary_tree, halves, tree_of_triangles};
 use super::wide::WideTree;
 use crate::math::Ray;
 
@@ -42,8 +42,15 @@ const BOX_PADDING: f32 = 32.0 * f32::EPSILON;
 
 impl Instances {
     /// Trees over `meshes[mesh][triangle]` and over their placements.
-    pub(super) fn new(meshes: &[Vec<[Vec3; 3]>], placements: &[Placement]) -> Self {
-        let meshes: Vec<WideTree> = meshes.iter().map(|m| tree_of_triangles(m)).collect();
+    pub(super) fn new(
+        meshes: &[Vec<[Vec3; 3]>],
+        placements: &[Placement],
+        quality: TreeQuality,
+    ) -> Self {
+        let meshes: Vec<WideTree> = meshes
+            .iter()
+            .map(|m| tree_of_triangles(m, quality))
+            .collect();
         let boxes: Vec<Aabb> = placements
             .iter()
             .map(|placement| {
@@ -60,8 +67,12 @@ impl Instances {
                 Aabb::new((low - padding).into(), (high + padding).into())
             })
             .collect();
+        let mut tree = WideTree::of_items(&binary_tree(&boxes, quality));
+        if !tree.fits_stack() {
+            tree = WideTree::of_items(&halves(&boxes));
+        }
         Self {
-            tree: WideTree::of_items(&binary_tree(&boxes)),
+            tree,
             instances: placements
                 .iter()
                 .map(|p| Instance {

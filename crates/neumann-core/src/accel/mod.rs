@@ -15,5 +15,5 @@ mod portable;
 mod traverse;
 mod wide;
 
-pub use bvh::{Bvh, Hit};
+pub use bvh::{Bvh, Hit, TreeQuality};
 pub use instances::Placement;

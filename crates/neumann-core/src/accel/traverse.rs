@@ -16,11 +16,8 @@ use glam::Vec4;
 
 use super::Hit;
 use super::instances::Instances;
-use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
+use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, STACK_SIZE, WIDTH, WideTree};
 use crate::math::Ray;
-
-/// Entries that the stack has room for.
-pub(super) const STACK_SIZE: usize = 256;
 
 /// Room for the rounding of three operations on either side of a box.
 pub(super) const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;

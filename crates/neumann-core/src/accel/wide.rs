@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+/// Nodes and leaves that may wait while a tree is walked.
+pub(super) const STACK_SIZE: usize = 256;
 /// Children of a wide node.
 pub(super) const WIDTH: usize = 8;
 /// Triangles of a leaf.
@@ -84,6 +86,11 @@ impl WideTree {
             is_far: self.n_bytes() > FAR_BYTES,
             ..self
         }
+    }
+
+    /// True if the stack of a walk has room for the longest way down, on which all children but one wait at each node.
+    pub(super) fn fits_stack(&self) -> bool {
+        self.depth * (WIDTH - 1) < STACK_SIZE
     }
 
     /// Memory that it takes, bytes.

@@ -211,6 +211,17 @@ impl RenderLoop {
         self.shared.wake.notify_all();
     }
 
+    /// Goes on with the same scene over a better tree, from the next iteration on; nothing is begun anew, since no bit of the
+    /// picture depends on it. Does nothing while something else is rendered than `scene`.
+    pub fn improve_scene(&self, scene: &Arc<Scene>, better: &Arc<Scene>) {
+        let mut control = self.shared.control();
+        if let Some(job) = &mut control.job
+            && Arc::ptr_eq(&job.scene, scene)
+        {
+            job.scene = Arc::clone(better);
+        }
+    }
+
     /// [`Published::version`], without a lock.
     #[must_use]
     pub fn version(&self) -> u64 {
@@ -424,12 +435,14 @@ impl Climb {
 
     fn renderer(&mut self, job: &Job, pool: &WorkerPool) -> &mut Renderer {
         let divisor = self.divisor;
-        self.renderer.get_or_insert_with(|| {
+        let renderer = self.renderer.get_or_insert_with(|| {
             let mut settings = job.settings.clone();
             settings.width = settings.width.div_ceil(divisor).max(1);
             settings.height = settings.height.div_ceil(divisor).max(1);
             Renderer::new(Arc::clone(&job.scene), settings, pool.clone(), 0)
-        })
+        });
+        renderer.take_scene(&job.scene);
+        renderer
     }
 
     fn next_rung(&mut self) {

@@ -50,6 +50,13 @@ impl Renderer {
         &self.settings
     }
 
+    /// Goes on with another tree over the same triangles.
+    pub(super) fn take_scene(&mut self, scene: &Arc<Scene>) {
+        if !Arc::ptr_eq(&self.scene, scene) {
+            self.scene = Arc::clone(scene);
+        }
+    }
+
     /// Begins to keep techniques apart, `divisor` times smaller than the film, or ends it.
     pub fn record_techniques(&mut self, divisor: Option<usize>) {
         self.techniques = divisor.map(|divisor| {

@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::description::{InstanceDescription, MeshDescription, SceneDescription};
 use super::geometry::{Facet, Geometry, MeshArrays, MeshPlacement, PlacedMesh};
-use crate::accel::{Bvh, Placement};
+use crate::accel::{Bvh, Placement, TreeQuality};
 
 /// Coordinates beyond this overflow in single precision when squared and multiplied.
 const LARGEST_COORDINATE: f32 = 1e9;
@@ -21,14 +21,15 @@ const LEAST_SHARED_TRIANGLES: usize = 200_000;
 pub(super) fn geometry(
     description: &SceneDescription,
     default_material: usize,
+    quality: TreeQuality,
     warnings: &mut Vec<String>,
-) -> Geometry {
+) -> (Geometry, Bvh) {
     let mut builder = Builder {
         description,
         default_material,
         warnings,
         meshes: Vec::new(),
-        corners: Vec::new(),
+        n_triangles: 0,
     };
     let (shared, single): (Vec<_>, Vec<_>) = {
         let is_shared = meshes_to_share(description);
@@ -38,7 +39,7 @@ pub(super) fn geometry(
     for instance in single {
         builder.add(instance);
     }
-    builder.finish(&shared)
+    builder.finish(&shared, quality)
 }
 
 /// Which meshes are kept once for all their instances. Lights are not: each of their triangles is one of its own.
@@ -71,7 +72,7 @@ struct Builder<'a> {
     default_material: usize,
     warnings: &'a mut Vec<String>,
     meshes: Vec<PlacedMesh>,
-    corners: Vec<[Vec3; 3]>,
+    n_triangles: usize,
 }
 
 impl Builder<'_> {
@@ -83,22 +84,20 @@ impl Builder<'_> {
         let Some(mut placed) = place(instance, mesh, self.default_material, self.warnings) else {
             return;
         };
-        placed.first_triangle = self.corners.len() as u32;
-        let triangles = placed.arrays.triangles.iter();
-        self.corners
-            .extend(triangles.map(|t| placed.corners(t.map(|v| v as usize))));
+        placed.first_triangle = self.n_triangles as u32;
+        self.n_triangles += placed.arrays.triangles.len();
         self.meshes.push(placed);
     }
 
     /// Adds the instances of shared meshes, and builds the trees.
-    fn finish(mut self, shared: &[&InstanceDescription]) -> Geometry {
+    fn finish(mut self, shared: &[&InstanceDescription], quality: TreeQuality) -> (Geometry, Bvh) {
         let first_instance = self.meshes.len();
-        let mut n_triangles = self.corners.len();
-        let (mut min, mut max) = bounds_of(self.corners.iter().flatten().copied());
+        let mut n_triangles = self.n_triangles;
+        let corners = self.meshes.iter().flat_map(PlacedMesh::triangles);
+        let (mut min, mut max) = bounds_of(corners.flatten());
         // A mesh and its mirror image, whose triangles are wound the other way, are two.
         let mut numbers = HashMap::new();
         let mut arrays: Vec<Option<Arc<MeshArrays>>> = Vec::new();
-        let mut placements = Vec::new();
         for instance in shared {
             let placement = MeshPlacement::new(instance.world_from_mesh);
             let mesh = &self.description.meshes[instance.mesh];
@@ -140,11 +139,6 @@ impl Builder<'_> {
                 continue;
             }
             (min, max) = (min.min(low), max.max(high));
-            placements.push(Placement {
-                mesh: number,
-                world_from_mesh: placement.world_from_mesh,
-                first_triangle: n_triangles as u32,
-            });
             self.meshes.push(PlacedMesh {
                 name: name_of(instance, mesh).clone(),
                 first_triangle: n_triangles as u32,
@@ -157,34 +151,49 @@ impl Builder<'_> {
         if n_triangles == 0 {
             (min, max) = (Vec3::NEG_ONE, Vec3::ONE);
         }
-        let mesh_corners: Vec<Vec<[Vec3; 3]>> = arrays
-            .iter()
-            .map(|arrays| {
-                let corners = |a: &Arc<MeshArrays>| {
-                    let at = |t: &[u32; 3]| t.map(|v| a.positions[v as usize]);
-                    a.triangles.iter().map(at).collect()
-                };
-                arrays.as_ref().map_or_else(Vec::new, corners)
-            })
-            .collect();
-        let bvh = Bvh::with_instances(&self.corners, &mesh_corners, &placements);
+        let tree = tree(&self.meshes, first_instance, quality);
         // Only now, as the tree takes most memory while it is built.
-        let mut facets = Vec::with_capacity(self.corners.len());
+        let mut facets = Vec::with_capacity(self.n_triangles);
         for (number, mesh) in self.meshes[..first_instance].iter().enumerate() {
-            let first = mesh.first_triangle as usize;
-            let corners = &self.corners[first..first + mesh.arrays.triangles.len()];
-            facets.extend(corners.iter().map(|c| Facet::new(c, number as u32)));
+            facets.extend(mesh.triangles().map(|c| Facet::new(&c, number as u32)));
         }
-        Geometry {
-            bvh,
+        let geometry = Geometry {
             meshes: self.meshes,
             facets,
             first_instance,
             n_triangles,
             min,
             max,
-        }
+        };
+        (geometry, tree)
     }
+}
+
+/// A tree over meshes that stand in the world by themselves and, from `first_instance` on, instances of shared ones.
+pub(super) fn tree(meshes: &[PlacedMesh], first_instance: usize, quality: TreeQuality) -> Bvh {
+    let (single, instances) = meshes.split_at(first_instance);
+    let mut triangles = Vec::with_capacity(single.iter().map(|m| m.arrays.triangles.len()).sum());
+    triangles.extend(single.iter().flat_map(PlacedMesh::triangles));
+    let mut numbers = HashMap::new();
+    let mut shared: Vec<Vec<[Vec3; 3]>> = Vec::new();
+    let mut placements = Vec::new();
+    for instance in instances {
+        let Some(placement) = &instance.placement else {
+            continue;
+        };
+        let arrays = &instance.arrays;
+        let mesh = *numbers.entry(Arc::as_ptr(arrays)).or_insert_with(|| {
+            let corners = |t: &[u32; 3]| t.map(|v| arrays.positions[v as usize]);
+            shared.push(arrays.triangles.iter().map(corners).collect());
+            shared.len() - 1
+        });
+        placements.push(Placement {
+            mesh,
+            world_from_mesh: placement.world_from_mesh,
+            first_triangle: instance.first_triangle,
+        });
+    }
+    Bvh::with_instances(&triangles, &shared, &placements, quality)
 }
 
 fn bounds_of(points: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {

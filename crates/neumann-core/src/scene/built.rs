@@ -10,6 +10,7 @@ use super::description::{
 };
 use super::geometry::Geometry;
 use super::{build, lighting};
+use crate::accel::{Bvh, TreeQuality};
 use crate::endpoint::Lights;
 use crate::endpoint::light::Light;
 use crate::material::{Material, TextureImage};
@@ -22,6 +23,7 @@ pub struct Scene {
     about: Option<String>,
     content_hash: u64,
     geometry: Arc<Geometry>,
+    bvh: Arc<Bvh>,
     images: Arc<[TextureImage]>,
     cameras: Arc<[CameraDescription]>,
     report: Arc<LoadReport>,
@@ -31,6 +33,18 @@ pub struct Scene {
     lights: Lights,
     has_alpha: bool,
 }
+
+/// A tree that a scene may have instead of its own.
+#[derive(Clone, Debug)]
+pub struct BetterTree {
+    bvh: Arc<Bvh>,
+    /// What it was made for.
+    geometry: Arc<Geometry>,
+}
+
+/// From so many triangles on, building the best tree takes longer than anybody likes to wait for a picture: about a tenth of a
+/// second on two processors.
+const SLOW_TREE_TRIANGLES: usize = 150_000;
 
 /// What a scene consists of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,10 +69,32 @@ impl Scene {
     /// Builds the scene; whatever cannot be rendered is left out with a warning.
     #[must_use]
     pub fn build(description: &SceneDescription) -> Self {
+        Self::build_with(description, TreeQuality::Full)
+    }
+
+    /// As [`Self::build`], with a tree that is there soon where the scene is big: for whoever waits for the first picture,
+    /// and takes a [`Self::better_tree`] later.
+    #[must_use]
+    pub fn build_quickly(description: &SceneDescription) -> Self {
+        let n_triangles: usize = description
+            .instances
+            .iter()
+            .filter_map(|i| Some(description.meshes.get(i.mesh)?.triangles.len()))
+            .sum();
+        let quality = if n_triangles >= SLOW_TREE_TRIANGLES {
+            TreeQuality::Quick
+        } else {
+            TreeQuality::Full
+        };
+        Self::build_with(description, quality)
+    }
+
+    fn build_with(description: &SceneDescription, quality: TreeQuality) -> Self {
         let mut warnings = description.report.warnings.clone();
         let mut appearance = Appearance::new(description);
         let default_material = appearance.materials.len() - 1;
-        let geometry = build::geometry(description, default_material, &mut warnings);
+        let (geometry, bvh) =
+            build::geometry(description, default_material, quality, &mut warnings);
         let images: Arc<[TextureImage]> =
             description.images.iter().cloned().map(Arc::new).collect();
         let mut cameras: Vec<CameraDescription> = description
@@ -90,6 +126,7 @@ impl Scene {
             about: description.about.clone(),
             content_hash: description.content_hash,
             geometry: Arc::new(geometry),
+            bvh: Arc::new(bvh),
             images,
             cameras: cameras.into(),
             report: Arc::new(description.report.clone()),
@@ -130,6 +167,25 @@ impl Scene {
         }
     }
 
+    /// The best tree over its triangles, if it has been built quickly; takes seconds for millions of triangles.
+    #[must_use]
+    pub fn better_tree(&self) -> Option<BetterTree> {
+        (self.bvh.quality() != TreeQuality::Full).then(|| BetterTree {
+            bvh: Arc::new(self.geometry.tree(TreeQuality::Full)),
+            geometry: Arc::clone(&self.geometry),
+        })
+    }
+
+    /// The same scene with a better tree: rays are sooner, and not a bit of any picture changes. `None` if the tree was made
+    /// for another scene's triangles.
+    #[must_use]
+    pub fn with_tree(&self, tree: &BetterTree) -> Option<Self> {
+        Arc::ptr_eq(&self.geometry, &tree.geometry).then(|| Self {
+            bvh: Arc::clone(&tree.bvh),
+            ..self.clone()
+        })
+    }
+
     /// Name of the scene.
     #[must_use]
     pub fn name(&self) -> &str {
@@ -153,6 +209,13 @@ impl Scene {
     #[must_use]
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
+    }
+
+    /// The tree over its triangles.
+    #[inline]
+    #[must_use]
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
     }
 
     /// Materials ready for use; the last one is the default of meshes without one.

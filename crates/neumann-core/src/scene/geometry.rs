@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Mat3, Mat4, Vec2, Vec3, Vec4};
 
-use crate::accel::Bvh;
+use super::build;
+use crate::accel::{Bvh, TreeQuality};
 
 /// All triangles of a scene.
 #[derive(Debug)]
@@ -16,7 +17,6 @@ pub struct Geometry {
     /// Index of the first mesh that is an instance.
     pub(super) first_instance: usize,
     pub(super) n_triangles: usize,
-    pub(super) bvh: Bvh,
     pub(super) min: Vec3,
     pub(super) max: Vec3,
 }
@@ -128,11 +128,10 @@ impl MeshPlacement {
 }
 
 impl Geometry {
-    /// The tree over all triangles.
-    #[inline]
+    /// A new tree over all triangles.
     #[must_use]
-    pub fn bvh(&self) -> &Bvh {
-        &self.bvh
+    pub(super) fn tree(&self, quality: TreeQuality) -> Bvh {
+        build::tree(&self.meshes, self.first_instance, quality)
     }
 
     /// Number of triangles.
@@ -177,6 +176,12 @@ impl Geometry {
 }
 
 impl PlacedMesh {
+    /// Corners of each triangle, world space.
+    pub(super) fn triangles(&self) -> impl Iterator<Item = [Vec3; 3]> {
+        let triangles = self.arrays.triangles.iter();
+        triangles.map(|t| self.corners(t.map(|v| v as usize)))
+    }
+
     /// Positions of three vertices, world space.
     #[inline]
     #[must_use]

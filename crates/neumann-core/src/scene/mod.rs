@@ -14,5 +14,5 @@ mod lighting;
 pub mod load;
 
 pub use appearance::{Appearance, Level};
-pub use built::{Scene, Statistics};
+pub use built::{BetterTree, Scene, Statistics};
 pub use builtin::open;

@@ -73,7 +73,7 @@ impl<'a> Tracer<'a> {
     #[inline(always)]
     pub fn hit(&mut self, ray: &Ray) -> Option<Hit> {
         self.n_rays += 1;
-        let hit = self.scene.geometry().bvh().closest_hit(ray)?;
+        let hit = self.scene.bvh().closest_hit(ray)?;
         if !self.scene.has_alpha() {
             return Some(hit);
         }
@@ -113,12 +113,12 @@ impl<'a> Tracer<'a> {
     pub fn transmittance(&mut self, ray: &Ray) -> f32 {
         self.n_rays += 1;
         if !self.scene.has_alpha() {
-            return f32::from(u8::from(!self.scene.geometry().bvh().is_occluded(ray)));
+            return f32::from(u8::from(!self.scene.bvh().is_occluded(ray)));
         }
         let mut rest = *ray;
         let mut share = 1.0;
         for _ in 0..MAX_PASSED {
-            let Some(hit) = self.scene.geometry().bvh().closest_hit(&rest) else {
+            let Some(hit) = self.scene.bvh().closest_hit(&rest) else {
                 return share;
             };
             if hit.t >= rest.t_max {
@@ -254,7 +254,7 @@ impl<'a> Tracer<'a> {
             let next = self.beyond(&rest, &hit);
             passed += (next.origin - rest.origin).dot(ray.direction);
             rest = next;
-            hit = self.scene.geometry().bvh().closest_hit(&rest)?;
+            hit = self.scene.bvh().closest_hit(&rest)?;
         }
         None
     }

@@ -12,8 +12,8 @@ use neumann_core::accel::TreeQuality;
 use neumann_core::film::Film;
 use neumann_core::integrator::{Integrator, METHODS, Method, ParameterValues, Sight};
 use neumann_core::render::{CancelToken, Cancelled, Job, Pass, RenderLoop, Renderer, StopRule};
-use neumann_core::scene::Scene;
 use neumann_core::scene::description::{MeshDescription, SceneDescription};
+use neumann_core::scene::{OpeningProgress, Scene};
 use neumann_tests::renders::{Setup, pool, pool_of};
 use neumann_tests::room::room_with_spheres;
 use neumann_tests::scenes::{Stage, builtin, emitter, lambert, looking, rectangle};
@@ -281,7 +281,10 @@ fn big_scene() -> SceneDescription {
 #[test]
 fn a_better_tree_changes_no_bit() {
     let description = big_scene();
-    let quick = Arc::new(Scene::build_quickly(&description));
+    let quick = Arc::new(Scene::build_quickly(
+        &description,
+        &OpeningProgress::default(),
+    ));
     assert_eq!(quick.bvh().quality(), TreeQuality::Quick);
     let tree = quick.better_tree().expect("there is a better one");
     let better = Arc::new(quick.with_tree(&tree).expect("it is for this scene"));

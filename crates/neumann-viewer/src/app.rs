@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{Context, Rect, Ui, pos2};
-use neumann_core::scene::Scene;
+use neumann_core::scene::{OpeningProgress, Scene};
 
 use crate::display::{ViewSettings, image_area};
 use crate::gallery::Gallery;
@@ -64,10 +64,21 @@ pub struct App {
     pub(crate) placement: Option<image_area::Placement>,
     options: ViewOptions,
     is_first_scene: bool,
-    loading: Option<String>,
+    loading: Option<Loading>,
     resized: Option<Instant>,
     wanted_size: (usize, usize),
     debounces_resize: bool,
+}
+
+/// How often the bar of a scene that is being opened is drawn anew.
+const PROGRESS_PERIOD: Duration = Duration::from_millis(50);
+
+/// A scene on its way.
+pub struct Loading {
+    /// What it was asked for by.
+    pub source: String,
+    /// How far it is.
+    pub progress: OpeningProgress,
 }
 
 /// What only the window can do.
@@ -149,9 +160,9 @@ impl App {
 
     /// Begins to open a scene; the present one stays until it is there, and if it never is.
     pub fn open_scene(&mut self, source: String) {
-        self.loading = Some(source.clone());
-        self.background
-            .open_scene(source, self.options.allow_outside);
+        let allow_outside = self.options.allow_outside;
+        let progress = self.background.open_scene(source.clone(), allow_outside);
+        self.loading = Some(Loading { source, progress });
     }
 
     /// Takes over a scene that is ready.
@@ -185,6 +196,12 @@ impl App {
         self.loading.is_some()
     }
 
+    /// The scene that is being opened.
+    #[must_use]
+    pub fn loading(&self) -> Option<&Loading> {
+        self.loading.as_ref()
+    }
+
     /// True when the picture on screen is of what has been asked for.
     #[must_use]
     pub fn is_current(&self) -> bool {
@@ -201,6 +218,9 @@ impl App {
         }
         self.take_arrivals(&ctx);
         self.take_dropped_files(&ctx);
+        if self.is_loading() {
+            ctx.request_repaint_after(PROGRESS_PERIOD);
+        }
         for action in keys::take_actions(&ctx) {
             self.perform(&ctx, action);
         }
@@ -294,7 +314,7 @@ impl App {
             stop: self.setup.stop,
             is_paused: self.link.is_paused(),
             is_waiting: !self.is_current(),
-            is_loading: self.is_loading(),
+            opening: self.loading.as_ref().map(|l| &l.progress),
             bias: self.bias(),
         };
         status::show(ui, rect, &status);
@@ -346,7 +366,7 @@ impl App {
 
     fn take_opened(&mut self, source: String, result: Result<Arc<Scene>, String>) {
         // Of several opened in haste, the last one asked for counts.
-        if self.loading.as_ref() != Some(&source) {
+        if self.loading.as_ref().map(|l| &l.source) != Some(&source) {
             return;
         }
         self.loading = None;

@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use neumann_core::scene::description::EnvironmentDescription;
 use neumann_core::scene::load::{LoadOptions, load_environment};
-use neumann_core::scene::{self, BetterTree, Scene};
+use neumann_core::scene::{self, BetterTree, OpeningProgress, Scene};
 use neumann_picture::image_file::{Image, read_image};
 
 /// Something that was asked for has come, or has failed.
@@ -71,14 +71,20 @@ impl Background {
     }
 
     /// Opens a built-in scene by name or a file by path.
-    pub fn open_scene(&mut self, source: String, allow_outside: bool) {
+    pub fn open_scene(&mut self, source: String, allow_outside: bool) -> OpeningProgress {
+        let options = LoadOptions {
+            allow_outside,
+            progress: OpeningProgress::default(),
+        };
+        let progress = options.progress.clone();
         self.run("neumann-load", move || {
-            let options = LoadOptions { allow_outside };
+            let build = |description| Scene::build_quickly(&description, &options.progress);
             let scene = scene::open(&source, &options)
-                .map(|description| Arc::new(Scene::build_quickly(&description)))
+                .map(|description| Arc::new(build(description)))
                 .map_err(|e| e.to_string());
             Some(Arrival::Scene(source, scene))
         });
+        progress
     }
 
     /// Builds a better tree for a scene that was built quickly.

@@ -40,18 +40,7 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     };
     fill_around(ui, rect, covered, p.ground);
     if !app.picture.is_there() {
-        let text = if app.is_loading() || app.setup.open.is_some() {
-            "opening …"
-        } else {
-            "no scene"
-        };
-        ui.painter().text(
-            rect.center(),
-            Align2::CENTER_CENTER,
-            text,
-            theme::body(),
-            p.weak,
-        );
+        show_waiting(ui, rect, app);
         return;
     }
     let pictures = pictures(app);
@@ -84,6 +73,29 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     if app.viewing.is_false_colour || app.viewing.is_difference {
         legend::show(&painter, rect, &app.viewing, &p);
     }
+}
+
+/// What stands where no picture is yet: what is being done, and a bar of how far it is.
+fn show_waiting(ui: &Ui, rect: Rect, app: &App) {
+    let p = Palette::of(ui);
+    let painter = ui.painter();
+    let text = match (app.loading(), &app.setup.open) {
+        (Some(loading), _) => {
+            let bar = Rect::from_center_size(
+                rect.center() + egui::vec2(0.0, 3.0 * GRID),
+                egui::vec2(30.0 * GRID, 3.0),
+            );
+            let mut done = bar;
+            done.set_width(bar.width() * loading.progress.share());
+            painter.rect_filled(bar, 0, p.line);
+            painter.rect_filled(done, 0, p.fill);
+            loading.progress.step().what()
+        }
+        (None, Some(_)) => "starting",
+        (None, None) => "no scene",
+    };
+    let at = rect.center();
+    painter.text(at, Align2::CENTER_CENTER, text, theme::body(), p.weak);
 }
 
 /// Fills what the picture leaves of the stage.

@@ -2,6 +2,7 @@
 
 use egui::{Align2, FontId, Rect, Ui, Vec2, pos2};
 use neumann_core::render::StopRule;
+use neumann_core::scene::OpeningProgress;
 
 use crate::picture::Picture;
 use crate::theme::{self, GRID, Palette};
@@ -17,8 +18,8 @@ pub struct Status<'a> {
     pub is_paused: bool,
     /// The picture is not yet of what has been asked for.
     pub is_waiting: bool,
-    /// A scene is being opened.
-    pub is_loading: bool,
+    /// How far a scene is that is being opened.
+    pub opening: Option<&'a OpeningProgress>,
     /// Why the picture is biased, if it is.
     pub bias: Option<&'a str>,
 }
@@ -77,8 +78,8 @@ fn facts(status: &Status<'_>) -> Vec<(String, String, String)> {
     let fact = |name: &str, value: String, unit: &str| (name.to_owned(), value, unit.to_owned());
     let mut facts = Vec::new();
     let picture = status.picture;
-    if status.is_loading {
-        facts.push(fact("", "opening …".to_owned(), ""));
+    if let Some(opening) = status.opening {
+        facts.push(fact("opening", opening.step().what().to_owned(), ""));
     }
     if !picture.is_there() {
         return facts;
@@ -124,6 +125,9 @@ fn facts(status: &Status<'_>) -> Vec<(String, String, String)> {
 }
 
 fn progress(status: &Status<'_>) -> Option<f32> {
+    if let Some(opening) = status.opening {
+        return Some(opening.share());
+    }
     let stats = &status.picture.stats;
     let done = match status.stop {
         StopRule::Never => return None,

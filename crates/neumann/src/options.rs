@@ -155,6 +155,7 @@ pub(crate) fn open_scene(
 ) -> Outcome<Scene> {
     let options = LoadOptions {
         allow_outside: load.allow_outside,
+        ..LoadOptions::default()
     };
     let mut description =
         while_waiting(&format!("reading {name}"), || scene::open(name, &options)).or_bad_input()?;

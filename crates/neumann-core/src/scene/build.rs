@@ -8,6 +8,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::description::{InstanceDescription, MeshDescription, SceneDescription};
 use super::geometry::{Facet, Geometry, MeshArrays, MeshPlacement, PlacedMesh};
+use super::{OpeningProgress, OpeningStep};
 use crate::accel::{Bvh, Placement, TreeQuality};
 
 /// Coordinates beyond this overflow in single precision when squared and multiplied.
@@ -22,6 +23,7 @@ pub(super) fn geometry(
     description: &SceneDescription,
     default_material: usize,
     quality: TreeQuality,
+    progress: &OpeningProgress,
     warnings: &mut Vec<String>,
 ) -> (Geometry, Bvh) {
     let mut builder = Builder {
@@ -36,9 +38,12 @@ pub(super) fn geometry(
         let instances = description.instances.iter();
         instances.partition(|i| is_shared.get(i.mesh).copied().unwrap_or(false))
     };
-    for instance in single {
+    let n_single = single.len();
+    for (n_placed, instance) in single.into_iter().enumerate() {
+        progress.reach(OpeningStep::Placing, n_placed, n_single);
         builder.add(instance);
     }
+    progress.reach(OpeningStep::Tree, 0, 1);
     builder.finish(&shared, quality)
 }
 

@@ -9,7 +9,7 @@ use super::description::{
     CameraDescription, EnvironmentDescription, LoadReport, Projection, SceneDescription,
 };
 use super::geometry::Geometry;
-use super::{build, lighting};
+use super::{OpeningProgress, build, lighting};
 use crate::accel::{Bvh, TreeQuality};
 use crate::endpoint::Lights;
 use crate::endpoint::light::Light;
@@ -69,13 +69,13 @@ impl Scene {
     /// Builds the scene; whatever cannot be rendered is left out with a warning.
     #[must_use]
     pub fn build(description: &SceneDescription) -> Self {
-        Self::build_with(description, TreeQuality::Full)
+        Self::build_with(description, TreeQuality::Full, &OpeningProgress::default())
     }
 
     /// As [`Self::build`], with a tree that is there soon where the scene is big: for whoever waits for the first picture,
     /// and takes a [`Self::better_tree`] later.
     #[must_use]
-    pub fn build_quickly(description: &SceneDescription) -> Self {
+    pub fn build_quickly(description: &SceneDescription, progress: &OpeningProgress) -> Self {
         let n_triangles: usize = description
             .instances
             .iter()
@@ -86,15 +86,24 @@ impl Scene {
         } else {
             TreeQuality::Full
         };
-        Self::build_with(description, quality)
+        Self::build_with(description, quality, progress)
     }
 
-    fn build_with(description: &SceneDescription, quality: TreeQuality) -> Self {
+    fn build_with(
+        description: &SceneDescription,
+        quality: TreeQuality,
+        progress: &OpeningProgress,
+    ) -> Self {
         let mut warnings = description.report.warnings.clone();
         let mut appearance = Appearance::new(description);
         let default_material = appearance.materials.len() - 1;
-        let (geometry, bvh) =
-            build::geometry(description, default_material, quality, &mut warnings);
+        let (geometry, bvh) = build::geometry(
+            description,
+            default_material,
+            quality,
+            progress,
+            &mut warnings,
+        );
         let images: Arc<[TextureImage]> =
             description.images.iter().cloned().map(Arc::new).collect();
         let mut cameras: Vec<CameraDescription> = description

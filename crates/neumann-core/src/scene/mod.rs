@@ -12,7 +12,9 @@ pub mod description;
 pub mod geometry;
 mod lighting;
 pub mod load;
+mod progress;
 
 pub use appearance::{Appearance, Level};
 pub use built::{BetterTree, Scene, Statistics};
 pub use builtin::open;
+pub use progress::{OpeningProgress, OpeningStep};

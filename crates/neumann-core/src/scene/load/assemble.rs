@@ -23,12 +23,14 @@ use super::{File, camera, container, environment, extension, instancing, light, 
 use crate::scene::description::{
     InstanceDescription, LoadReport, MeshDescription, SceneDescription,
 };
+use crate::scene::{OpeningProgress, OpeningStep};
 
 /// Reads a whole scene; `name` is that of its file.
 pub(super) fn scene(
     name: &str,
     bytes: &[u8],
     mut source: Source<'_>,
+    progress: &OpeningProgress,
 ) -> Result<SceneDescription, Fault> {
     let container = container::open(bytes)?;
     let extensions = extension::read(&container.document)?;
@@ -55,7 +57,8 @@ pub(super) fn scene(
     let mut objects = Objects::new(&file);
     let mut lights = Vec::new();
     let mut cameras = Vec::new();
-    for &index in &hierarchy.nodes {
+    for (n_read, &index) in hierarchy.nodes.iter().enumerate() {
+        progress.reach(OpeningStep::Meshes, n_read, hierarchy.nodes.len());
         let node = document.item("nodes", index)?;
         let world_from_node = hierarchy.world_from_node[index];
         if hierarchy.is_visible[index] {

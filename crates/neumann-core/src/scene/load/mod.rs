@@ -54,18 +54,21 @@ use self::buffer::Buffers;
 use self::error::Fault;
 use self::json::Document;
 use self::source::Source;
+use super::OpeningProgress;
 use super::description::{EnvironmentDescription, SceneDescription};
 
 pub use self::error::LoadError;
 
 /// What a scene file may do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
     /// Lets relative URIs, and symbolic links, leave the scene's folder.
     ///
     /// Absolute paths, other schemes than `data:` and anything but regular
     /// files stay refused.
     pub allow_outside: bool,
+    /// Is told how far the file has been read.
+    pub progress: OpeningProgress,
 }
 
 /// A file while it is read.
@@ -85,7 +88,7 @@ pub fn load_file(path: &Path, options: &LoadOptions) -> Result<SceneDescription,
     let name = path.display().to_string();
     let bytes = read_named_file(path, &name, "give the path of a .gltf or .glb file")?;
     Source::beside(path, &bytes, options.allow_outside)
-        .and_then(|source| assemble::scene(&name, &bytes, source))
+        .and_then(|source| assemble::scene(&name, &bytes, source, &options.progress))
         .map_err(|fault| fault.in_file(&name))
 }
 
@@ -101,7 +104,8 @@ pub fn load_bytes(
     bytes: &[u8],
     resolve: &dyn Fn(&str) -> Option<Vec<u8>>,
 ) -> Result<SceneDescription, LoadError> {
-    assemble::scene(name, bytes, Source::memory(bytes, resolve))
+    let unwatched = OpeningProgress::default();
+    assemble::scene(name, bytes, Source::memory(bytes, resolve), &unwatched)
         .map_err(|fault| fault.in_file(name))
 }
 

@@ -218,7 +218,7 @@ fn for_builder(triangles: &[[Vec3; 3]]) -> Vec<Triangle> {
 }
 
 /// A binary tree that is no deeper than it must be: items in the order of their middles along the longest axis, halved again
-/// and again. For what makes other trees too deep to be walked, such as thousands of triangles, each twice as big as the last.
+/// and again. A way out should another tree be too deep to be walked; no triangles are known that make it so.
 pub(super) fn halves<T: Boundable>(items: &[T]) -> Bvh2 {
     let boxes: Vec<Aabb> = items.iter().map(Boundable::aabb).collect();
     let mut order: Vec<u32> = (0..items.len() as u32).collect();

@@ -12,14 +12,18 @@ use neumann_tests::studio::studios;
 
 const N_BATCHES: u32 = 16;
 
-fn batches(scene: &Arc<Scene>, id: &str, values: &[(&'static str, Value)], n: u32) -> Batches {
+fn setup(scene: &Arc<Scene>, id: &str, values: &[(&'static str, Value)]) -> Setup {
     let mut setup = Setup::new(scene, 24, 16)
         .by(method(id).expect("a method of the registry"))
         .up_to(4);
     for (name, value) in values {
         setup.settings.values.put(name, *value);
     }
-    setup.batches(N_BATCHES, n, 90)
+    setup
+}
+
+fn batches(scene: &Arc<Scene>, id: &str, values: &[(&'static str, Value)], n: u32) -> Batches {
+    setup(scene, id, values).batches(N_BATCHES, n, 90)
 }
 
 /// Blur moves light about but hardly adds any: the image's mean stays what it is.
@@ -72,7 +76,9 @@ fn the_variance_of_progressive_photons_falls_with_the_predicted_exponent() {
     let scene = builtin("cornell");
     for alpha in [0.5, 0.75, 1.0] {
         let variance = |n: u32| {
-            let found = batches(&scene, "ppm", &[("alpha", Value::Real(alpha))], n);
+            // All pixels share their photons, so only batches are independent.
+            let setup = setup(&scene, "ppm", &[("alpha", Value::Real(alpha))]);
+            let found = setup.batches(5 * N_BATCHES, n, 91);
             let pixels = Block::grid(&found.films[0], 24, 16);
             let sum: f64 = pixels
                 .iter()

@@ -5,9 +5,10 @@
 use rayon::prelude::*;
 
 use crate::radiometry::Rgb;
+use crate::sampling::TileNumbers;
 
-/// Edge of a square tile, pixels.
-pub(crate) const TILE: usize = 16;
+/// Edge of a square tile, pixels: of those that share their random numbers.
+pub(crate) const TILE: usize = TileNumbers::EDGE;
 /// Pixels of a tile.
 pub(crate) const TILE_PIXELS: usize = TILE * TILE;
 

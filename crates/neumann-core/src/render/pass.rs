@@ -16,7 +16,7 @@ use crate::endpoint::Camera;
 use crate::film::techniques::TechniqueFilm;
 use crate::film::{Frame, PhotonReport, TileBounds};
 use crate::radiometry::Rgb;
-use crate::sampling::{PixelNumbers, Sampler};
+use crate::sampling::{Sampler, TileNumbers};
 use crate::scene::Scene;
 use crate::transport::Tracer;
 
@@ -204,7 +204,7 @@ impl<'a> Pass<'a> {
     {
         let width = self.frame.width();
         let (grid, per_tile) = (self.frame.grid(), self.frame.values_per_tile());
-        let numbers = PixelNumbers::new(self.seed, self.iteration);
+        let (seed, iteration, max_bounces) = (self.seed, self.iteration, self.max_bounces);
         let cancel = self.cancel;
         let shape = self.sink_shape();
         let rounds = self.rounds(grid.n_tiles());
@@ -228,6 +228,8 @@ impl<'a> Pass<'a> {
                     let mut tracer = Tracer::new(scene);
                     let mut sink = Sink::new(tile, shape);
                     let TileBounds { start, end } = grid.bounds(round.start + i);
+                    let numbers =
+                        TileNumbers::new(seed, iteration, start[0], start[1], max_bounces);
                     for y in start[1]..end[1] {
                         if cancel.is_cancelled() {
                             return Yield::default();

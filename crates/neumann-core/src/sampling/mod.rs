@@ -2,11 +2,11 @@
 
 pub mod discrete;
 pub mod mis;
-mod pixel_numbers;
 mod rng;
 pub mod roulette;
 mod sobol;
+mod tile_numbers;
 pub mod warp;
 
-pub use pixel_numbers::PixelNumbers;
 pub use rng::Sampler;
+pub use tile_numbers::TileNumbers;

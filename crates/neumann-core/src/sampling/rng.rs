@@ -5,12 +5,12 @@
 //! (Owen) scrambling with a hash ([Burley 2020]). What the camera (or the light) and the first two bounces
 //! draw are dimensions of one such sequence, so that the iterations cover their whole space evenly; the dimensions
 //! of later bounces are padded: each pair is a shuffled copy of its own of the first two, a (0,2)-sequence.
-//! The pixels of an image share their points, each moved by a shift of its own ([`PixelNumbers`]).
+//! The pixels of a tile share their points, each moved by a shift of its own ([`TileNumbers`]).
 //!
 //! Four pairs, about what one bounce needs, are made at once, in vectors where the processor has them.
 
-use super::pixel_numbers::PixelNumbers;
 use super::sobol::{self, Point};
+use super::tile_numbers::TileNumbers;
 
 /// Pairs of numbers that are made at once.
 pub(super) const N_PAIRS: usize = 4;
@@ -32,16 +32,14 @@ pub struct Sampler<'a> {
     next: u32,
     /// The second number of a pair of which only the first was drawn.
     spare: Option<f32>,
-    /// What it has in common with the other pixels of an image; nothing for a path by itself.
+    /// What it has in common with the other pixels of its tile; nothing for a path by itself.
     pixel: Option<Pixel<'a>>,
 }
 
 /// A pixel's place among those that share their points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pixel<'a> {
-    pub(super) numbers: &'a PixelNumbers,
-    /// Key of the tile that it lies in.
-    pub(super) tile_key: u64,
+    pub(super) numbers: &'a TileNumbers,
     /// Its number in the tile.
     pub(super) in_tile: u32,
 }
@@ -200,6 +198,12 @@ fn pairs_in_lanes(pairs: Pairs, hash: u64) -> Point {
         *point = laine_karras(*point, *seed).reverse_bits();
     }
     points
+}
+
+/// Element number `index` of the (0,2)-sequence, scrambled by a key: binary fractions of 32 digits.
+pub(super) fn scrambled_pair(key: u64, index: u32) -> [u32; 2] {
+    let seeds: [u32; 2] = lane_seeds(mix(key) as u32);
+    [0, 1].map(|i| laine_karras([index, pascal(index)][i], seeds[i]).reverse_bits())
 }
 
 /// A hash for each lane.

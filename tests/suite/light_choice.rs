@@ -109,7 +109,7 @@ fn sets(random: &mut Random) -> Vec<(&'static str, Lights)> {
 /// Counts the lights chosen from a point against what is stated.
 fn count(family: &mut Family, name: &str, lights: &Lights, at: &Receiver, random: &mut Random) {
     let n = lights.as_slice().len();
-    for choice in [TREE, LightChoice::Power] {
+    for choice in [TREE, LightChoice::TreeBesideBsdf, LightChoice::Power] {
         let pmf: Vec<f64> = (0..n)
             .map(|i| f64::from(lights.pmf_aim(at, choice, i)))
             .collect();

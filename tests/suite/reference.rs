@@ -104,7 +104,7 @@ fn test(name: &str, reference: &[Term], n_iterations: u32) {
 
 #[test]
 fn cornell() {
-    test("cornell", &CORNELL, 32);
+    test("cornell", &CORNELL, 96);
 }
 
 #[test]

@@ -135,6 +135,17 @@ impl Bvh {
         }
     }
 
+    /// Boxes (minimum and maximum) that together hold everything that a ray could meet: those of the uppermost nodes, at
+    /// most `n_nodes` of triangles, and as many of instances.
+    #[must_use]
+    pub fn boxes(&self, n_nodes: usize) -> Vec<[Vec3; 2]> {
+        let mut boxes = self.tree.boxes(n_nodes);
+        if let Some(instances) = &self.instances {
+            boxes.extend(instances.tree.boxes(n_nodes));
+        }
+        boxes
+    }
+
     /// Memory that it takes, bytes.
     #[must_use]
     pub fn n_bytes(&self) -> usize {

@@ -80,6 +80,31 @@ impl WideTree {
         ]
     }
 
+    /// Boxes (minimum and maximum) that together hold everything: the children of the `n_nodes` uppermost nodes.
+    pub(super) fn boxes(&self, n_nodes: usize) -> Vec<[Vec3; 2]> {
+        let mut boxes = Vec::new();
+        let mut opened: Vec<usize> = (0..self.nodes.len().min(1)).collect();
+        let mut next = 0;
+        while let Some(node) = opened.get(next).map(|index| &self.nodes[*index]) {
+            next += 1;
+            for (child, &link) in node.children.iter().enumerate() {
+                let side = |side: usize| {
+                    Vec3::from_array([0, 1, 2].map(|axis| node.bounds[2 * axis + side][child]))
+                };
+                let [min, max] = [0, 1].map(side);
+                if min.x > max.x {
+                    continue;
+                }
+                if link & LEAF == 0 && opened.len() < n_nodes {
+                    opened.push(link as usize);
+                } else {
+                    boxes.push([min, max]);
+                }
+            }
+        }
+        boxes
+    }
+
     /// The same, knowing how big it is.
     pub(super) fn measured(self) -> Self {
         Self {

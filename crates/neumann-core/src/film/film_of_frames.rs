@@ -1,9 +1,9 @@
 //! The mean of the frames, with the variance of L.
 
-use bytemuck::{cast_slice, cast_slice_mut};
+use bytemuck::{cast_slice, cast_slice_mut, zeroed_vec};
 use rayon::prelude::*;
 
-use super::frame::{TILE, TILE_PIXELS, TileBounds};
+use super::frame::{LitLayers, TILE, TILE_PIXELS, TileBounds, TileGrid};
 use super::{Frame, View};
 use crate::radiometry::Rgb;
 
@@ -22,6 +22,8 @@ pub struct Film {
     layers: Vec<Vec<Rgb>>,
     total: Vec<Rgb>,
     deviations: Vec<Rgb>,
+    /// What of each tile is not all black.
+    lit: Vec<LitLayers>,
     n_refused: u64,
 }
 
@@ -37,15 +39,17 @@ impl Film {
     /// An empty film with `n_layers` bounce layers and a tail.
     #[must_use]
     pub fn new(width: usize, height: usize, n_layers: usize) -> Self {
-        let plane = vec![Rgb::BLACK; width * height];
+        // Memory that is never written where a layer is black.
+        let plane = || zeroed_vec(width * height);
         Self {
             width,
             height,
             n_layers,
             n_iterations: 0,
-            layers: vec![plane.clone(); n_layers + 1],
-            total: plane.clone(),
-            deviations: plane,
+            layers: (0..=n_layers).map(|_| plane()).collect(),
+            total: vec![Rgb::BLACK; width * height],
+            deviations: vec![Rgb::BLACK; width * height],
+            lit: vec![LitLayers::default(); TileGrid::new(width, height).n_tiles()],
             n_refused: 0,
         }
     }
@@ -83,6 +87,7 @@ impl Film {
             layers,
             total,
             deviations: variance_of_mean.iter().map(|v| *v * scale).collect(),
+            lit: vec![LitLayers::ALL; TileGrid::new(width, height).n_tiles()],
             n_refused,
         })
     }
@@ -158,9 +163,11 @@ impl Film {
             .total
             .chunks_mut(n)
             .zip(self.deviations.chunks_mut(n))
-            .map(|(total, deviations)| Band {
+            .zip(self.lit.chunks_mut(frame.grid().n_columns()))
+            .map(|((total, deviations), lit)| Band {
                 total,
                 deviations,
+                lit,
                 layers: Vec::with_capacity(self.n_layers + 1),
             })
             .collect();
@@ -205,6 +212,9 @@ impl Film {
             for (a, b) in mine.iter_mut().zip(theirs) {
                 *a = mix_rgb(*a, *b);
             }
+        }
+        for (mine, theirs) in self.lit.iter_mut().zip(&other.lit) {
+            *mine = mine.union(*theirs);
         }
         self.n_iterations = n;
         self.n_refused += other.n_refused;
@@ -319,6 +329,7 @@ const BAND: usize = 4096;
 struct Band<'a> {
     total: &'a mut [Rgb],
     deviations: &'a mut [Rgb],
+    lit: &'a mut [LitLayers],
     layers: Vec<&'a mut [Rgb]>,
 }
 
@@ -336,12 +347,22 @@ impl Band<'_> {
                 (in_film.clone(), in_tile..in_tile + in_film.len())
             });
             let mut sum = [0f32; N_CHANNELS * TILE_PIXELS];
-            let layers = frame.tile(tile).chunks_exact(TILE_PIXELS);
-            for (mean, values) in self.layers.iter_mut().zip(layers) {
+            let layers = frame.layers_of_tile(tile);
+            let was_lit = self.lit[column];
+            let lit = was_lit.union(frame.lit(tile));
+            self.lit[column] = lit;
+            for (layer, (mean, values)) in self.layers.iter_mut().zip(layers).enumerate() {
+                if !lit.contains(layer) {
+                    continue;
+                }
                 let (mean, values) = (cast_slice_mut(mean), cast_slice(values));
                 for (in_film, in_tile) in rows.clone() {
                     let values: &[f32] = &values[in_tile.clone()];
                     let mean: &mut [f32] = &mut mean[in_film];
+                    if !was_lit.contains(layer) {
+                        // Written before it is read, or the system would hand out the page twice.
+                        mean.fill(0.0);
+                    }
                     for ((m, x), s) in mean.iter_mut().zip(values).zip(&mut sum[in_tile]) {
                         *s += *x;
                         *m += (*x - *m) * step;

@@ -2,7 +2,8 @@
 //!
 //! Values are kept tile by tile, so that whoever traces a tile has its memory to itself.
 
-use rayon::prelude::*;
+use bytemuck::zeroed_vec;
+use glam::Vec2;
 
 use crate::radiometry::Rgb;
 use crate::sampling::TileNumbers;
@@ -34,14 +35,63 @@ pub struct Frame {
     /// The tiles row by row, each with its layers, tail last, and each layer with its pixels row by row; tiles that
     /// reach beyond the image are whole.
     values: Vec<Rgb>,
-    /// True while what `values` holds is left over from another iteration.
-    is_stale: bool,
+    /// What of each tile is worth reading; the rest is black, whatever `values` holds.
+    lit: Vec<LitLayers>,
     /// Contributions that were not finite or negative, and so left out.
     pub(crate) n_refused: u64,
     /// Rays traced.
     pub(crate) n_rays: u64,
     /// What its photons were like, if it had any.
     pub(crate) photons: Option<PhotonReport>,
+}
+
+/// The layers of a tile that anything was added to. Many tiles have few, and the memory of the others is never touched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct LitLayers(u64);
+
+impl LitLayers {
+    /// Every layer.
+    pub(crate) const ALL: Self = Self(u64::MAX);
+
+    #[inline]
+    pub(crate) fn contains(self, layer: usize) -> bool {
+        self.0 & Self::bit(layer) != 0
+    }
+
+    #[inline]
+    pub(crate) fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Layers from the 64th on are told apart no longer.
+    #[inline]
+    fn bit(layer: usize) -> u64 {
+        1 << layer.min(63)
+    }
+}
+
+/// A layer of a tile to which nothing was added.
+pub(super) static BLACK_LAYER: [Rgb; TILE_PIXELS] = [Rgb::BLACK; TILE_PIXELS];
+
+/// Adds to a value of a tile; a layer to which nothing was added yet is black.
+#[inline]
+pub(crate) fn add_to_tile(tile: &mut [Rgb], lit: &mut LitLayers, in_tile: usize, value: Rgb) {
+    let layer = in_tile / TILE_PIXELS;
+    if !lit.contains(layer) {
+        light_up(tile, lit, layer);
+    }
+    tile[in_tile] += value;
+}
+
+/// Begins a layer, black.
+#[cold]
+fn light_up(tile: &mut [Rgb], lit: &mut LitLayers, layer: usize) {
+    lit.0 |= LitLayers::bit(layer);
+    for (other, values) in tile.chunks_exact_mut(TILE_PIXELS).enumerate() {
+        if LitLayers::bit(other) == LitLayers::bit(layer) {
+            values.fill(Rgb::BLACK);
+        }
+    }
 }
 
 /// Where a pixel's value of a layer is kept.
@@ -100,6 +150,23 @@ impl TileGrid {
         }
     }
 
+    /// The tiles that a rectangle of the raster reaches into.
+    pub(crate) fn tiles_within(&self, low: Vec2, high: Vec2) -> impl Iterator<Item = usize> {
+        let n_columns = self.n_columns;
+        let range = |low: f32, high: f32, n_pixels: usize| {
+            let tile = |position: f32| position.max(0.0) as usize / TILE;
+            let n_tiles = n_pixels.div_ceil(TILE);
+            if high < 0.0 {
+                0..0
+            } else {
+                tile(low)..n_tiles.min(tile(high) + 1)
+            }
+        };
+        let columns = range(low.x, high.x, self.width);
+        range(low.y, high.y, self.height)
+            .flat_map(move |row| columns.clone().map(move |column| row * n_columns + column))
+    }
+
     /// Where the value of a layer at a pixel is.
     #[inline]
     pub(crate) fn slot(&self, layer: usize, x: usize, y: usize) -> Slot {
@@ -119,8 +186,8 @@ impl Frame {
             width,
             height,
             n_layers,
-            values: vec![Rgb::BLACK; n_tiles * (n_layers + 1) * TILE_PIXELS],
-            is_stale: false,
+            values: zeroed_vec(n_tiles * (n_layers + 1) * TILE_PIXELS),
+            lit: vec![LitLayers::default(); n_tiles],
             n_refused: 0,
             n_rays: 0,
             photons: None,
@@ -173,33 +240,77 @@ impl Frame {
         (self.n_layers + 1) * TILE_PIXELS
     }
 
+    /// The layers of a tile that are not all black.
+    pub(crate) fn lit(&self, tile: usize) -> LitLayers {
+        self.lit[tile]
+    }
+
     /// Values of one tile, layer by layer.
-    pub(crate) fn tile(&self, tile: usize) -> &[Rgb] {
+    pub(crate) fn layers_of_tile(&self, tile: usize) -> impl Iterator<Item = &[Rgb]> {
         let n = self.values_per_tile();
-        &self.values[tile * n..(tile + 1) * n]
+        let layers = self.values[tile * n..(tile + 1) * n].chunks_exact(TILE_PIXELS);
+        layers.enumerate().map(move |(layer, values)| {
+            if self.lit[tile].contains(layer) {
+                values
+            } else {
+                &BLACK_LAYER
+            }
+        })
     }
 
-    /// All values, and whether they are left over from another iteration; whoever asks takes care that they are not
-    /// afterwards.
-    pub(crate) fn values_to_renew(&mut self) -> (&mut [Rgb], bool) {
-        (&mut self.values, std::mem::take(&mut self.is_stale))
+    /// All values, tile by tile, and what is lit of each, for [`add_to_tile`].
+    pub(crate) fn tiles(&mut self) -> (&mut [Rgb], &mut [LitLayers]) {
+        (&mut self.values, &mut self.lit)
     }
 
-    /// All values, ready to be added to.
+    /// All values, black, ready to be set to anything.
+    #[cfg(test)]
     pub(crate) fn values(&mut self) -> &mut [Rgb] {
-        if std::mem::take(&mut self.is_stale) {
-            self.values
-                .par_chunks_mut(1 << 16)
-                .for_each(|chunk| chunk.fill(Rgb::BLACK));
-        }
+        self.values.fill(Rgb::BLACK);
+        self.lit.fill(LitLayers::ALL);
         &mut self.values
     }
 
     /// Forgets everything, for the next iteration.
     pub(crate) fn forget(&mut self) {
-        self.is_stale = true;
+        self.lit.fill(LitLayers::default());
         self.n_refused = 0;
         self.n_rays = 0;
         self.photons = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Frame, TILE_PIXELS, add_to_tile};
+    use crate::radiometry::Rgb;
+
+    #[test]
+    fn what_was_forgotten_is_black_in_layers_of_any_number() {
+        let mut frame = Frame::new(40, 20, 70);
+        let (tile, pixel) = (2, 17);
+        let n = frame.values_per_tile();
+        let mut add = |frame: &mut Frame, layer: usize| {
+            let (values, lit) = frame.tiles();
+            let values = &mut values[tile * n..(tile + 1) * n];
+            let in_tile = layer * TILE_PIXELS + pixel;
+            add_to_tile(values, &mut lit[tile], in_tile, Rgb::WHITE);
+        };
+        for layers in [&[0, 5, 64, 66][..], &[1, 5, 70], &[66], &[]] {
+            frame.forget();
+            for &layer in layers {
+                add(&mut frame, layer);
+                add(&mut frame, layer);
+            }
+            for other in 0..frame.grid().n_tiles() {
+                for (layer, values) in frame.layers_of_tile(other).enumerate() {
+                    let is_there = other == tile && layers.contains(&layer);
+                    for (i, value) in values.iter().enumerate() {
+                        let expected = f32::from(u8::from(is_there && i == pixel)) * 2.0;
+                        assert_eq!(*value, Rgb::splat(expected), "layer {layer}");
+                    }
+                }
+            }
+        }
     }
 }

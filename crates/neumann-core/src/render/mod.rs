@@ -5,6 +5,7 @@
 //! does so in the background for a window.
 
 mod cancel;
+mod coverage;
 mod pass;
 mod pool;
 mod render_loop;

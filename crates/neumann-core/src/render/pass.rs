@@ -10,11 +10,12 @@ use std::ops::Range;
 use glam::Vec2;
 use rayon::prelude::*;
 
+use super::coverage::Coverage;
 use super::sink::{Sink, SinkShape, Yield, add_splats};
 use super::{CancelToken, Cancelled, RenderSettings};
 use crate::endpoint::Camera;
 use crate::film::techniques::TechniqueFilm;
-use crate::film::{Frame, PhotonReport, TileBounds};
+use crate::film::{Contribution, Frame, LitLayers, PhotonReport, Strategy, TileBounds};
 use crate::radiometry::Rgb;
 use crate::sampling::{Sampler, TileNumbers};
 use crate::scene::Scene;
@@ -32,6 +33,7 @@ const RECORDING_ROUND: usize = 256;
 pub struct Pass<'a> {
     frame: &'a mut Frame,
     camera: &'a Camera,
+    coverage: &'a Coverage,
     max_bounces: u32,
     seed: u64,
     iteration: u32,
@@ -103,6 +105,7 @@ impl<'a> Pass<'a> {
     pub(super) fn new(
         frame: &'a mut Frame,
         camera: &'a Camera,
+        coverage: &'a Coverage,
         settings: &RenderSettings,
         iteration: u32,
         cancel: &'a CancelToken,
@@ -111,6 +114,7 @@ impl<'a> Pass<'a> {
         Self {
             frame,
             camera,
+            coverage,
             max_bounces: settings.max_bounces,
             seed: settings.seed,
             iteration,
@@ -175,20 +179,24 @@ impl<'a> Pass<'a> {
     /// Runs `path` once for each pixel: its position on the raster (drawn uniformly from the
     /// pixel), a tracer, the path's random numbers, and the sink for its contributions.
     ///
+    /// `path` must give a camera ray that meets nothing the radiance from there, with weight 1: where that is the same from
+    /// everywhere, and nothing stands before it, no path is run.
+    ///
     /// # Errors
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
     pub fn trace_pixels<F>(&mut self, scene: &Scene, path: F) -> Result<(), Cancelled>
     where
         F: Fn(Vec2, &mut Tracer<'_>, &mut Sampler<'_>, &mut Sink<'_>) + Sync,
     {
-        self.trace_pixels_with(
+        self.trace_tiles(
             scene,
             || (),
             |(), sample, tracer, sampler, sink| path(sample.raster, tracer, sampler, sink),
+            scene.lights().uniform_environment(),
         )
     }
 
-    /// As [`Self::trace_pixels`], with room that each task makes once and every path of it may use.
+    /// Runs `path` once for each pixel of all, with room that each task makes once and every path of it may use.
     ///
     /// # Errors
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
@@ -202,32 +210,48 @@ impl<'a> Pass<'a> {
         M: Fn() -> R + Sync + Send,
         F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>) + Sync,
     {
+        self.trace_tiles(scene, room, path, None)
+    }
+
+    /// Runs `path` once for each pixel; where nothing stands before `background`, that is all there is.
+    fn trace_tiles<'s, R, M, F>(
+        &mut self,
+        scene: &'s Scene,
+        room: M,
+        path: F,
+        background: Option<Rgb>,
+    ) -> Result<(), Cancelled>
+    where
+        M: Fn() -> R + Sync + Send,
+        F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>) + Sync,
+    {
         let width = self.frame.width();
         let (grid, per_tile) = (self.frame.grid(), self.frame.values_per_tile());
         let (seed, iteration, max_bounces) = (self.seed, self.iteration, self.max_bounces);
-        let cancel = self.cancel;
+        let (cancel, coverage) = (self.cancel, self.coverage);
         let shape = self.sink_shape();
         let rounds = self.rounds(grid.n_tiles());
         for round in &rounds {
-            // Splats of a round may go to tiles of the next, which then has to find them black.
-            let (values, is_stale) = match rounds.len() {
-                1 => self.frame.values_to_renew(),
-                _ => (self.frame.values(), false),
-            };
+            let (values, lit) = self.frame.tiles();
             let yields: Vec<Yield> = values[round.start * per_tile..round.end * per_tile]
                 .par_chunks_mut(per_tile)
+                .zip(&mut lit[round.clone()])
                 .enumerate()
                 .with_max_len(1)
-                .map_init(&room, |room, (i, tile)| {
+                .map_init(&room, |room, (i, (tile, lit))| {
                     if cancel.is_cancelled() {
                         return Yield::default();
                     }
-                    if is_stale {
-                        tile.fill(Rgb::BLACK);
-                    }
                     let mut tracer = Tracer::new(scene);
-                    let mut sink = Sink::new(tile, shape);
-                    let TileBounds { start, end } = grid.bounds(round.start + i);
+                    let mut sink = Sink::new(tile, lit, shape);
+                    let bounds = grid.bounds(round.start + i);
+                    if let Some(radiance) = background
+                        && !coverage.is_covered(round.start + i)
+                    {
+                        fill(bounds, radiance, &mut sink);
+                        return sink.into_yield(0);
+                    }
+                    let TileBounds { start, end } = bounds;
                     let numbers =
                         TileNumbers::new(seed, iteration, start[0], start[1], max_bounces);
                     for y in start[1]..end[1] {
@@ -281,7 +305,8 @@ impl<'a> Pass<'a> {
                         return (Yield::default(), part);
                     }
                     let mut tracer = Tracer::new(scene);
-                    let mut sink = Sink::new(&mut [], shape);
+                    let mut lit = LitLayers::default();
+                    let mut sink = Sink::new(&mut [], &mut lit, shape);
                     for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(n_paths) {
                         let mut sampler = numbers.path(index);
                         path(index, &mut tracer, &mut sampler, &mut sink, &mut part.items);
@@ -303,11 +328,6 @@ impl<'a> Pass<'a> {
             }
         }
         Ok(collected)
-    }
-
-    /// Leaves nothing of another iteration in the frame, even where nothing was traced.
-    pub(super) fn finish(&mut self) {
-        self.frame.values();
     }
 
     fn sink_shape(&self) -> SinkShape {
@@ -340,5 +360,23 @@ impl<'a> Pass<'a> {
             self.frame.n_rays += part.n_rays;
         }
         Ok(())
+    }
+}
+
+/// Gives every pixel of a tile what comes from infinitely far away.
+fn fill(TileBounds { start, end }: TileBounds, radiance: Rgb, sink: &mut Sink<'_>) {
+    if radiance.is_black() {
+        return;
+    }
+    for y in start[1]..end[1] {
+        for x in start[0]..end[0] {
+            sink.start_pixel(x, y);
+            sink.add(Contribution {
+                value: radiance,
+                mis_weight: 1.0,
+                bounce: 0,
+                strategy: Strategy::hit(2),
+            });
+        }
     }
 }

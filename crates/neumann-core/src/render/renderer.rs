@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::coverage::Coverage;
 use super::{CancelToken, Cancelled, Pass, RenderSettings, WorkerPool};
 use crate::endpoint::Camera;
 use crate::film::{Frame, TechniqueFilm};
@@ -20,6 +21,7 @@ pub struct Renderer {
     integrator: Box<dyn Integrator>,
     next_iteration: u32,
     frame: Frame,
+    coverage: Coverage,
     techniques: Option<TechniqueFilm>,
 }
 
@@ -32,10 +34,13 @@ impl Renderer {
         pool: WorkerPool,
         first_iteration: u32,
     ) -> Self {
+        let camera = Camera::new(&settings.camera, settings.width, settings.height);
+        let frame = Frame::new(settings.width, settings.height, settings.n_layers);
         Self {
-            camera: Camera::new(&settings.camera, settings.width, settings.height),
+            coverage: Coverage::new(&scene, &camera, frame.grid()),
+            camera,
             integrator: (settings.method.build)(&settings.values),
-            frame: Frame::new(settings.width, settings.height, settings.n_layers),
+            frame,
             next_iteration: first_iteration,
             techniques: None,
             scene,
@@ -80,17 +85,14 @@ impl Renderer {
         let mut pass = Pass::new(
             &mut self.frame,
             &self.camera,
+            &self.coverage,
             &self.settings,
             self.next_iteration,
             cancel,
             self.techniques.as_mut(),
         );
         let (integrator, scene) = (&mut self.integrator, &*self.scene);
-        let outcome = self.pool.run(|| {
-            integrator.iterate(scene, &mut pass)?;
-            pass.finish();
-            Ok(())
-        });
+        let outcome = self.pool.run(|| integrator.iterate(scene, &mut pass));
         if let Err(cancelled) = outcome {
             // Records of an iteration that was cut short cannot be told from the others.
             if let Some(techniques) = &mut self.techniques {

@@ -7,7 +7,7 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use crate::film::techniques::{Record, RecordShape};
-use crate::film::{Contribution, Frame, Slot, TILE_PIXELS, TileGrid};
+use crate::film::{Contribution, Frame, LitLayers, Slot, TILE_PIXELS, TileGrid, add_to_tile};
 use crate::radiometry::Rgb;
 
 /// Bands that splats are sorted into, at most.
@@ -17,6 +17,7 @@ const MAX_BANDS: usize = 64;
 pub struct Sink<'a> {
     /// `tile[layer * TILE_PIXELS + pixel_in_tile]`; empty where paths belong to no pixel.
     tile: &'a mut [Rgb],
+    lit: &'a mut LitLayers,
     shape: SinkShape,
     splats: Vec<Splat>,
     n_refused: u64,
@@ -73,9 +74,10 @@ impl SinkShape {
 }
 
 impl<'a> Sink<'a> {
-    pub(super) fn new(tile: &'a mut [Rgb], shape: SinkShape) -> Self {
+    pub(super) fn new(tile: &'a mut [Rgb], lit: &'a mut LitLayers, shape: SinkShape) -> Self {
         Self {
             tile,
+            lit,
             shape,
             splats: Vec::new(),
             n_refused: 0,
@@ -119,7 +121,10 @@ impl<'a> Sink<'a> {
         }
         self.record(self.pixel, &contribution);
         let layer = (contribution.bounce as usize).min(self.shape.n_layers);
-        self.tile[layer * TILE_PIXELS + self.pixel_in_tile] += value;
+        if !value.is_black() {
+            let in_tile = layer * TILE_PIXELS + self.pixel_in_tile;
+            add_to_tile(self.tile, self.lit, in_tile, value);
+        }
     }
 
     /// Adds to the pixel that `raster` falls in, if any; raster (0, 0) is the top left corner of pixel (0, 0).
@@ -196,18 +201,20 @@ pub(super) fn add_splats(frame: &mut Frame, yields: &[Yield]) {
         return;
     }
     let (shift, per_tile) = (band_shift(frame.grid()), frame.values_per_tile());
-    let add = |(band, values): (usize, &mut [Rgb])| {
+    let add = |(band, (values, lit)): (usize, (&mut [Rgb], &mut [LitLayers]))| {
         let first_tile = (band as u32) << shift;
         for part in yields {
             for Splat { slot, value } in part.splats.of_band(band) {
                 let tile = (slot.tile - first_tile) as usize;
-                values[tile * per_tile + slot.in_tile as usize] += *value;
+                let values = &mut values[tile * per_tile..(tile + 1) * per_tile];
+                add_to_tile(values, &mut lit[tile], slot.in_tile as usize, *value);
             }
         }
     };
-    frame
-        .values()
+    let (values, lit) = frame.tiles();
+    values
         .par_chunks_mut(per_tile << shift)
+        .zip(lit.par_chunks_mut(1 << shift))
         .enumerate()
         .for_each(add);
 }

@@ -28,7 +28,7 @@ const N_KEPT: usize = 34;
 /// Numbers of paths from here on are those of tiles, see [`path_key`].
 const TILES: u64 = 1 << 62;
 /// Arrangements of shifts that tiles choose among.
-const N_ARRANGEMENTS: usize = 8;
+const N_ARRANGEMENTS: usize = 4;
 /// The key of the shifts.
 const SHIFT_KEY: u64 = 0x7e_554a;
 

@@ -6,7 +6,7 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::{BVec3, Vec2, Vec3};
 
 use super::{Aim, Spread, StartDensities};
 use crate::math::Ray;
@@ -309,6 +309,38 @@ impl Camera {
             Projection::Perspective { .. } if depth > 0.0 => self.raster_from_film(film / depth),
             Projection::Perspective { .. } => None,
         }
+    }
+
+    /// Raster positions (minimum and maximum) of all rays that could meet a box given by its minimum and maximum; `None`
+    /// where the box reaches so near to the camera, or behind it, that there are no bounds.
+    #[must_use]
+    pub fn raster_bounds(&self, [min, max]: [Vec3; 2]) -> Option<[Vec2; 2]> {
+        let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        let (mut nearest, mut farthest) = (f32::INFINITY, 0f32);
+        for i in 0..8 {
+            let corner = Vec3::select(BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0), min, max);
+            let from = corner - self.position;
+            let mut film = Vec2::new(from.dot(self.right), from.dot(self.up));
+            if let Projection::Perspective { .. } = self.projection {
+                let depth = from.dot(self.forward);
+                // Room for the rounding of positions.
+                if depth <= 1e-3 * corner.abs().max(self.position.abs()).max_element() {
+                    return None;
+                }
+                (nearest, farthest) = (nearest.min(depth), farthest.max(depth));
+                film /= depth;
+            }
+            (low, high) = (low.min(film), high.max(film));
+        }
+        if let Some(lens) = self.lens.filter(|_| self.has_lens()) {
+            // A ray from p on the lens meets depth z where that through the middle would on a film moved by p/z - p/f.
+            let moved = |depth: f32| (1.0 / depth - 1.0 / lens.focus_distance).abs();
+            let reach = 0.5 * lens.aperture * moved(nearest).max(moved(farthest));
+            (low, high) = (low - reach, high + reach);
+        }
+        let middle = Vec2::new(0.5 * self.width, 0.5 * self.height);
+        let [a, b] = [low, high].map(|film| film * self.pixels_per_film + middle);
+        (a.is_finite() && b.is_finite()).then(|| [a.min(b) - 1.0, a.max(b) + 1.0])
     }
 
     /// Density of the direction for a raster position uniform over the film, 1/sr: `1 / (A cos³)`

@@ -28,6 +28,9 @@ pub enum LightChoice {
     /// By what it may send to the point: a tree over the lights.
     #[default]
     Tree,
+    /// As by the tree, beside directions drawn from a BSDF with which the choice is weighed: a sky of one radiance is left to
+    /// those, which are spread over it as it counts, and hit it whenever they leave the scene.
+    TreeBesideBsdf,
     /// By its power alone, wherever the point is.
     Power,
 }
@@ -52,6 +55,8 @@ pub(super) struct Chooser {
     tree: LightTree,
     /// The lights infinitely far away: over all lights, by power, those of the tree having none.
     distant: Option<AliasTable>,
+    /// Those of them that are not left to a BSDF.
+    distant_beside_bsdf: Option<AliasTable>,
     /// True where a tree would say what power says already.
     is_one_place: bool,
 }
@@ -80,17 +85,23 @@ impl Chooser {
             1.0
         };
         let tree = build(&bounds, scale);
-        let of_distant = |(light, power): (&Light, &f64)| match light {
-            Light::Directional(_) | Light::Environment(_) => *power,
-            _ => 0.0,
+        let distant = |is_beside_bsdf: bool| {
+            let of_distant = |(light, power): (&Light, &f64)| match light {
+                Light::Directional(_) => *power,
+                Light::Environment(l) if is_beside_bsdf && l.uniform_radiance().is_some() => 0.0,
+                Light::Environment(_) => *power,
+                _ => 0.0,
+            };
+            let weights: Vec<f64> = lights.iter().zip(&power).map(of_distant).collect();
+            AliasTable::new(&weights)
         };
-        let distant: Vec<f64> = lights.iter().zip(&power).map(of_distant).collect();
-        let distant = AliasTable::new(&distant);
+        let (distant, distant_beside_bsdf) = (distant(false), distant(true));
         Some(Self {
             power: choice,
             is_one_place: distant.is_none() && tree.is_one_place(),
             tree,
             distant,
+            distant_beside_bsdf,
         })
     }
 
@@ -106,17 +117,34 @@ impl Chooser {
         self.power.pmf(light)
     }
 
-    /// A light chosen for a receiver, and its probability; `None` where none can reach it.
+    /// The lights infinitely far away, beside directions drawn from a BSDF or without.
     #[inline]
-    pub(super) fn by_tree(&self, at: &Receiver, u: f32) -> Option<(usize, f32)> {
+    fn distant(&self, is_beside_bsdf: bool) -> Option<&AliasTable> {
+        if is_beside_bsdf {
+            self.distant_beside_bsdf.as_ref()
+        } else {
+            self.distant.as_ref()
+        }
+    }
+
+    /// A light chosen for a receiver, and its probability; `None` where none can reach it, or none that is not left to
+    /// a BSDF.
+    #[inline]
+    pub(super) fn by_tree(
+        &self,
+        at: &Receiver,
+        is_beside_bsdf: bool,
+        u: f32,
+    ) -> Option<(usize, f32)> {
         if self.is_one_place {
             return Some(self.by_power(u));
         }
+        let distant = self.distant(is_beside_bsdf);
         if self.tree.is_empty() {
-            return self.distant.as_ref().map(|d| d.sample(u));
+            return distant.map(|d| d.sample(u));
         }
         let root = self.tree.root(at);
-        let Some(distant) = &self.distant else {
+        let Some(distant) = distant else {
             return self.tree.sample(at, root, u);
         };
         let share = distant_share(root);
@@ -130,19 +158,20 @@ impl Chooser {
     }
 
     /// Probability with which [`Self::by_tree`] chooses a light.
-    pub(super) fn pmf_by_tree(&self, at: &Receiver, light: usize) -> f32 {
+    pub(super) fn pmf_by_tree(&self, at: &Receiver, is_beside_bsdf: bool, light: usize) -> f32 {
         if self.is_one_place {
             return self.pmf_by_power(light);
         }
+        let distant = self.distant(is_beside_bsdf);
         if self.tree.is_empty() {
-            return self.distant.as_ref().map_or(0.0, |d| d.pmf(light));
+            return distant.map_or(0.0, |d| d.pmf(light));
         }
         let root = self.tree.root(at);
-        let share = self.distant.as_ref().map_or(0.0, |_| distant_share(root));
+        let share = distant.map_or(0.0, |_| distant_share(root));
         if self.tree.has(light) {
             (1.0 - share) * self.tree.pmf(at, root, light)
         } else {
-            share * self.distant.as_ref().map_or(0.0, |d| d.pmf(light))
+            share * distant.map_or(0.0, |d| d.pmf(light))
         }
     }
 }

@@ -105,6 +105,15 @@ impl EnvironmentLight {
         }
     }
 
+    /// Radiance, if it is the same from everywhere.
+    #[must_use]
+    pub fn uniform_radiance(&self) -> Option<Rgb> {
+        match &self.distribution {
+            Distribution::Uniform(radiance) => Some(*radiance),
+            Distribution::Texels(_) => None,
+        }
+    }
+
     fn interpolated(&self, direction: Vec3) -> Rgb {
         let [u, v] = self.uv(direction);
         let (w, h) = (self.map.width, self.map.height);

@@ -123,7 +123,8 @@ impl Lights {
     #[must_use]
     pub fn pmf_aim(&self, from: &Receiver, choice: LightChoice, light: usize) -> f32 {
         self.chooser.as_ref().map_or(0.0, |c| match choice {
-            LightChoice::Tree => c.pmf_by_tree(from, light),
+            LightChoice::Tree => c.pmf_by_tree(from, false, light),
+            LightChoice::TreeBesideBsdf => c.pmf_by_tree(from, true, light),
             LightChoice::Power => c.pmf_by_power(light),
         })
     }
@@ -145,7 +146,8 @@ impl Lights {
     pub fn choose(&self, from: &Receiver, choice: LightChoice, u: f32) -> Option<(usize, f32)> {
         let chooser = self.chooser.as_ref()?;
         match choice {
-            LightChoice::Tree => chooser.by_tree(from, u),
+            LightChoice::Tree => chooser.by_tree(from, false, u),
+            LightChoice::TreeBesideBsdf => chooser.by_tree(from, true, u),
             LightChoice::Power => Some(chooser.by_power(u)),
         }
     }
@@ -192,6 +194,15 @@ impl Lights {
         match self.environment.map(|i| &self.lights[i]) {
             Some(Light::Environment(l)) => l.radiance(direction),
             _ => Rgb::BLACK,
+        }
+    }
+
+    /// Radiance from infinitely far away where it is the same from everywhere, be it black.
+    #[must_use]
+    pub fn uniform_environment(&self) -> Option<Rgb> {
+        match self.environment.map(|i| &self.lights[i]) {
+            Some(Light::Environment(l)) => l.uniform_radiance(),
+            _ => Some(Rgb::BLACK),
         }
     }
 

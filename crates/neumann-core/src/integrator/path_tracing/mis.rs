@@ -2,7 +2,8 @@
 //!
 //! The last one plus one idea: light is both aimed at and run into, and each way
 //! is weighed by how well it samples the direction, `w_i = p_i² / (p_1² + p_2²)`
-//! ([Veach 1997] 9.2.3.2). Long paths end by Russian roulette on their throughput.
+//! ([Veach 1997] 9.2.3.2). A sky of one radiance is not aimed at: the BSDF samples it
+//! as it counts. Long paths end by Russian roulette on their throughput.
 
 use crate::endpoint::LightChoice;
 use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
@@ -40,7 +41,10 @@ pub static METHOD: Method = Method {
     ],
     build: |values: &ParameterValues| {
         Box::new(Mis {
-            choice: light_choice(values),
+            choice: match light_choice(values) {
+                LightChoice::Tree => LightChoice::TreeBesideBsdf,
+                choice => choice,
+            },
             has_roulette: values.switch("roulette"),
         })
     },

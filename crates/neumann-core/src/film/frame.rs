@@ -290,7 +290,7 @@ mod tests {
         let mut frame = Frame::new(40, 20, 70);
         let (tile, pixel) = (2, 17);
         let n = frame.values_per_tile();
-        let mut add = |frame: &mut Frame, layer: usize| {
+        let add = |frame: &mut Frame, layer: usize| {
             let (values, lit) = frame.tiles();
             let values = &mut values[tile * n..(tile + 1) * n];
             let in_tile = layer * TILE_PIXELS + pixel;

@@ -104,12 +104,12 @@ impl Integrator for LightTracing {
                     throughput *= sample.throughput();
 
                     // Paths that carry little end by chance.
-                    if has_roulette && bounce >= roulette::FIRST_BOUNCE && !sample.is_delta {
-                        let survival = roulette::survival(throughput / power.max_channel());
-                        if sampler.next_1d() >= survival {
+                    if has_roulette && !sample.is_delta {
+                        let relative = throughput / power.max_channel();
+                        let Some(factor) = roulette::play(bounce, relative, sampler) else {
                             return;
-                        }
-                        throughput *= 1.0 / survival;
+                        };
+                        throughput *= factor;
                     }
                     medium = medium.beyond(&vertex, sample.wi);
                     ray = vertex.ray(sample.wi);

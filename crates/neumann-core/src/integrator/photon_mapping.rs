@@ -189,7 +189,6 @@ enum Show {
 
 struct PhotonMap {
     grid: HashGrid<Photon>,
-
     radius: f32,
     n_paths: usize,
 }

@@ -162,12 +162,12 @@ impl Walk {
             return false;
         };
         self.throughput *= sample.throughput();
-        if has_roulette && bounce >= roulette::FIRST_BOUNCE && !sample.is_delta {
-            let survival = roulette::survival(self.throughput / self.initial);
-            if sampler.next_1d() >= survival {
+        if has_roulette && !sample.is_delta {
+            let relative = self.throughput / self.initial;
+            let Some(factor) = roulette::play(bounce, relative, sampler) else {
                 return false;
-            }
-            self.throughput *= 1.0 / survival;
+            };
+            self.throughput *= factor;
         }
         if weighing.has_others() {
             self.partial = weighing.scatter(

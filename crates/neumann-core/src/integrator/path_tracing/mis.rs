@@ -64,6 +64,8 @@ impl Integrator for Mis {
             let mut ray = camera.ray(raster, sampler.next_2d()).ray;
             let mut throughput = Rgb::WHITE;
             let mut medium = Medium::VACUUM;
+            // Scattering events so far, those at delta lobes aside.
+            let mut n_events = 0;
             // Where the ray's direction was drawn; nothing where it could not have been aimed.
             let mut drawn: Option<Drawn> = None;
             for bounce in 0..=max_bounces {
@@ -113,12 +115,14 @@ impl Integrator for Mis {
                 drawn = Drawn::at(&vertex, choice, &sample);
 
                 // Paths that carry little end by chance.
-                if has_roulette && bounce >= roulette::FIRST_BOUNCE && !sample.is_delta {
-                    let survival = roulette::survival(throughput);
-                    if sampler.next_1d() >= survival {
-                        return;
+                if !sample.is_delta {
+                    if has_roulette {
+                        let Some(factor) = roulette::play(n_events, throughput, sampler) else {
+                            return;
+                        };
+                        throughput *= factor;
                     }
-                    throughput *= 1.0 / survival;
+                    n_events += 1;
                 }
                 medium = medium.beyond(&vertex, sample.wi);
                 ray = vertex.ray(sample.wi);

@@ -84,7 +84,7 @@ impl VertexSample {
 
 impl SurfaceVertex<'_> {
     /// `f(wo, wi) · cos_i`, 1/sr, delta lobes not counted.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn f_cos(&self, wi: Vec3, mode: TransportMode) -> Rgb {
         let wi_local = self.frame.local_from_world(wi);
@@ -173,7 +173,7 @@ impl SurfaceVertex<'_> {
     }
 
     /// Draws a direction; `None` means no light this way.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn sample(&self, u: [f32; 3], mode: TransportMode) -> Option<VertexSample> {
         self.sample_of(&self.bsdf, u, mode)

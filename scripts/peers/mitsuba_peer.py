@@ -33,8 +33,8 @@ SIZE_FOR_ERROR = 256
 SEGMENTS = 10
 TARGET = 1e-3
 # Samples of the image that errors are relative to, and the most that are taken on the way to the target.
-REFERENCE = 512
-MOST_SAMPLES = 128
+REFERENCE = 1024
+MOST_SAMPLES = 512
 
 
 def rgb(values):

@@ -14,11 +14,12 @@ use std::arch::x86_64::{
     _mm256_set1_ps, _mm256_setzero_ps, _mm256_store_ps, _mm256_sub_ps,
 };
 
-use super::Hit;
+use super::bvh::PackedHit;
 use super::instances::Instances;
-use super::traverse::{self, BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
+use super::traverse::{
+    self, BoxHits, FAR_PADDING, Kernel, LaneHits, PackedRay, Prepared, decide_in_double,
+};
 use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
-use crate::math::Ray;
 
 struct Avx2;
 
@@ -26,26 +27,26 @@ struct Avx2;
 #[repr(C, align(32))]
 struct Aligned<const N: usize>([f32; N]);
 
-pub(super) fn closest(tree: &WideTree, ray: &Ray) -> Option<Hit> {
+pub(super) fn closest(tree: &WideTree, ray: &PackedRay) -> PackedHit {
     // SAFETY: `Bvh` chooses this module only where all of the features were detected.
     unsafe { closest_with_features(tree, ray) }
 }
 
-pub(super) fn any(tree: &WideTree, ray: &Ray) -> bool {
+pub(super) fn any(tree: &WideTree, ray: &PackedRay) -> bool {
     // SAFETY: as above.
     unsafe { any_with_features(tree, ray) }
 }
 
 pub(super) fn closest_of_instances(
     instances: &Instances,
-    ray: &Ray,
-    found: Option<Hit>,
-) -> Option<Hit> {
+    ray: &PackedRay,
+    found: PackedHit,
+) -> PackedHit {
     // SAFETY: as above.
     unsafe { closest_of_instances_with_features(instances, ray, found) }
 }
 
-pub(super) fn any_of_instances(instances: &Instances, ray: &Ray) -> bool {
+pub(super) fn any_of_instances(instances: &Instances, ray: &PackedRay) -> bool {
     // SAFETY: as above.
     unsafe { any_of_instances_with_features(instances, ray) }
 }
@@ -53,24 +54,24 @@ pub(super) fn any_of_instances(instances: &Instances, ray: &Ray) -> bool {
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
 fn closest_of_instances_with_features(
     instances: &Instances,
-    ray: &Ray,
-    found: Option<Hit>,
-) -> Option<Hit> {
-    traverse::closest_of_instances::<Avx2>(instances, ray, found)
+    ray: &PackedRay,
+    found: PackedHit,
+) -> PackedHit {
+    traverse::closest_of_instances::<Avx2>(instances, ray, found.into()).into()
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-fn any_of_instances_with_features(instances: &Instances, ray: &Ray) -> bool {
+fn any_of_instances_with_features(instances: &Instances, ray: &PackedRay) -> bool {
     traverse::any_of_instances::<Avx2>(instances, ray)
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-fn closest_with_features(tree: &WideTree, ray: &Ray) -> Option<Hit> {
-    traverse::closest::<Avx2>(tree, ray)
+fn closest_with_features(tree: &WideTree, ray: &PackedRay) -> PackedHit {
+    traverse::closest::<Avx2>(tree, ray).into()
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-fn any_with_features(tree: &WideTree, ray: &Ray) -> bool {
+fn any_with_features(tree: &WideTree, ray: &PackedRay) -> bool {
     traverse::any::<Avx2>(tree, ray)
 }
 

@@ -13,8 +13,8 @@ use rayon::prelude::*;
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
 use super::instances::{Instances, Placement};
-use super::portable::Portable;
-use super::traverse;
+use super::portable;
+use super::traverse::PackedRay;
 use super::wide::WideTree;
 use crate::math::Ray;
 
@@ -44,6 +44,35 @@ pub struct Hit {
     pub triangle: u32,
     /// Barycentric coordinates of the second and third corner.
     pub barycentrics: [f32; 2],
+}
+
+/// A hit as a kernel hands it back: in two registers. By way of memory, the first read of it would have to wait for the
+/// pieces that were written.
+#[derive(Clone, Copy)]
+pub(super) struct PackedHit(u64, u64);
+
+impl From<Hit> for PackedHit {
+    #[inline(always)]
+    fn from(hit: Hit) -> Self {
+        let pair = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
+        let [u, v] = hit.barycentrics;
+        Self(
+            pair(hit.t.to_bits(), hit.triangle),
+            pair(u.to_bits(), v.to_bits()),
+        )
+    }
+}
+
+impl From<PackedHit> for Hit {
+    #[inline(always)]
+    fn from(PackedHit(a, b): PackedHit) -> Self {
+        let upper = |x: u64| f32::from_bits((x >> 32) as u32);
+        Self {
+            t: upper(a),
+            triangle: a as u32,
+            barycentrics: [upper(b), f32::from_bits(b as u32)],
+        }
+    }
 }
 
 /// Which compilation of the traversal runs.
@@ -95,32 +124,34 @@ impl Bvh {
     #[inline]
     #[must_use]
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let hit = if self.tree.nodes.is_empty() {
-            None
-        } else {
-            match self.kernel {
-                Kernel::Portable => closest_portable(&self.tree, ray),
+        let ray = &PackedRay::new(ray);
+        let mut hit = PackedHit::from(Hit::none_before(ray.end()));
+        if !self.tree.nodes.is_empty() {
+            hit = match self.kernel {
+                Kernel::Portable => portable::closest(&self.tree, ray),
                 #[cfg(target_arch = "x86_64")]
                 Kernel::Avx2 => avx2::closest(&self.tree, ray),
-            }
-        };
-        match &self.instances {
-            None => hit,
-            Some(instances) => match self.kernel {
-                Kernel::Portable => traverse::closest_of_instances::<Portable>(instances, ray, hit),
+            };
+        }
+        if let Some(instances) = &self.instances {
+            hit = match self.kernel {
+                Kernel::Portable => portable::closest_of_instances(instances, ray, hit),
                 #[cfg(target_arch = "x86_64")]
                 Kernel::Avx2 => avx2::closest_of_instances(instances, ray, hit),
-            },
+            };
         }
+        let hit = Hit::from(hit);
+        hit.is_there().then_some(hit)
     }
 
     /// True if anything is in the way of the ray before its end.
     #[inline]
     #[must_use]
     pub fn is_occluded(&self, ray: &Ray) -> bool {
+        let ray = &PackedRay::new(ray);
         let is_occluded = !self.tree.nodes.is_empty()
             && match self.kernel {
-                Kernel::Portable => any_portable(&self.tree, ray),
+                Kernel::Portable => portable::any(&self.tree, ray),
                 #[cfg(target_arch = "x86_64")]
                 Kernel::Avx2 => avx2::any(&self.tree, ray),
             };
@@ -128,7 +159,7 @@ impl Bvh {
             None => is_occluded,
             Some(_) if is_occluded => true,
             Some(instances) => match self.kernel {
-                Kernel::Portable => traverse::any_of_instances::<Portable>(instances, ray),
+                Kernel::Portable => portable::any_of_instances(instances, ray),
                 #[cfg(target_arch = "x86_64")]
                 Kernel::Avx2 => avx2::any_of_instances(instances, ray),
             },
@@ -277,16 +308,6 @@ impl Kernel {
         }
         Self::Portable
     }
-}
-
-#[inline(never)]
-fn closest_portable(tree: &WideTree, ray: &Ray) -> Option<Hit> {
-    traverse::closest::<Portable>(tree, ray)
-}
-
-#[inline(never)]
-fn any_portable(tree: &WideTree, ray: &Ray) -> bool {
-    traverse::any::<Portable>(tree, ray)
 }
 
 #[cfg(test)]

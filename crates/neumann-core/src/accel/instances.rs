@@ -4,6 +4,7 @@ use glam::{Affine3A, Vec3};
 use obvhs::aabb::Aabb;
 
 use super::bvh::{TreeQuality, binary_tree, halves, tree_of_triangles};
+use super::traverse::PackedRay;
 use super::wide::WideTree;
 use crate::math::Ray;
 
@@ -95,11 +96,11 @@ impl Instances {
 impl Instance {
     /// The ray in the mesh's space: its direction is not of unit length there, so that distances stay those of the world.
     #[inline(always)]
-    pub(super) fn ray_inside(&self, ray: &Ray, t_max: f32) -> Ray {
-        Ray {
-            origin: self.mesh_from_world.transform_point3(ray.origin),
-            direction: self.mesh_from_world.transform_vector3(ray.direction),
+    pub(super) fn ray_inside(&self, ray: &PackedRay, t_max: f32) -> PackedRay {
+        PackedRay::new(&Ray {
+            origin: self.mesh_from_world.transform_point3(ray.origin()),
+            direction: self.mesh_from_world.transform_vector3(ray.direction()),
             t_max,
-        }
+        })
     }
 }

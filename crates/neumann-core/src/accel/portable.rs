@@ -1,9 +1,37 @@
 //! Both tests over plain arrays, for any processor: compilers make four-wide code of it.
 
-use super::traverse::{BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
+use super::bvh::PackedHit;
+use super::instances::Instances;
+use super::traverse::{
+    self, BoxHits, FAR_PADDING, Kernel, LaneHits, PackedRay, Prepared, decide_in_double,
+};
 use super::wide::{LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
 
-pub(super) struct Portable;
+struct Portable;
+
+#[inline(never)]
+pub(super) fn closest(tree: &WideTree, ray: &PackedRay) -> PackedHit {
+    traverse::closest::<Portable>(tree, ray).into()
+}
+
+#[inline(never)]
+pub(super) fn any(tree: &WideTree, ray: &PackedRay) -> bool {
+    traverse::any::<Portable>(tree, ray)
+}
+
+#[inline(never)]
+pub(super) fn closest_of_instances(
+    instances: &Instances,
+    ray: &PackedRay,
+    found: PackedHit,
+) -> PackedHit {
+    traverse::closest_of_instances::<Portable>(instances, ray, found.into()).into()
+}
+
+#[inline(never)]
+pub(super) fn any_of_instances(instances: &Instances, ray: &PackedRay) -> bool {
+    traverse::any_of_instances::<Portable>(instances, ray)
+}
 
 impl Kernel for Portable {
     #[inline(always)]

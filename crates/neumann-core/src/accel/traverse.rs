@@ -12,7 +12,7 @@
 use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 use super::Hit;
 use super::instances::Instances;
@@ -21,6 +21,16 @@ use crate::math::Ray;
 
 /// Room for the rounding of three operations on either side of a box.
 pub(super) const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;
+
+/// A ray as it is handed to a kernel: two whole vectors. Written in pieces and read as vectors, it would have to wait
+/// until it is in the cache.
+#[derive(Clone, Copy)]
+pub(super) struct PackedRay {
+    /// The origin, and where the ray ends.
+    origin: Vec4,
+    /// The direction, and 1.
+    direction: Vec4,
+}
 
 /// A ray prepared for both tests.
 pub(super) struct Prepared {
@@ -161,61 +171,60 @@ fn walk_until<K: Kernel>(
     }
 }
 
-/// The first triangle that the ray meets.
+/// The first triangle that the ray meets, or what stands for none.
 #[inline(always)]
-pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &Ray) -> Option<Hit> {
+pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &PackedRay) -> Hit {
     let prepared = Prepared::new(ray);
     let mut triangles = Triangles::<K> {
         tree,
         prepared: &prepared,
-        best: Hit::none_before(ray.t_max),
+        best: Hit::none_before(ray.end()),
         kernel: PhantomData,
     };
-    walk::<K>(tree, &prepared, ray.t_max, &mut triangles);
-    triangles.best.is_there().then_some(triangles.best)
+    walk::<K>(tree, &prepared, ray.end(), &mut triangles);
+    triangles.best
 }
 
 /// True if the ray meets any triangle before its end.
 #[inline(always)]
-pub(super) fn any<K: Kernel>(tree: &WideTree, ray: &Ray) -> bool {
+pub(super) fn any<K: Kernel>(tree: &WideTree, ray: &PackedRay) -> bool {
     let prepared = Prepared::new(ray);
     let triangles = Triangles::<K> {
         tree,
         prepared: &prepared,
-        best: Hit::none_before(ray.t_max),
+        best: Hit::none_before(ray.end()),
         kernel: PhantomData,
     };
-    walk_until::<K>(tree, &prepared, ray.t_max, &triangles)
+    walk_until::<K>(tree, &prepared, ray.end(), &triangles)
 }
 
-/// The first triangle of an instance that the ray meets, if it is before `found`.
+/// The first triangle of an instance that the ray meets, if it is before `found`, else that.
 #[inline(always)]
 pub(super) fn closest_of_instances<K: Kernel>(
     instances: &Instances,
-    ray: &Ray,
-    found: Option<Hit>,
-) -> Option<Hit> {
+    ray: &PackedRay,
+    found: Hit,
+) -> Hit {
     let mut inside = Inside::<K> {
         instances,
         ray,
-        best: found.unwrap_or(Hit::none_before(ray.t_max)),
+        best: found,
         kernel: PhantomData,
     };
-    let (prepared, end) = (Prepared::new(ray), inside.best.t);
-    walk::<K>(&instances.tree, &prepared, end, &mut inside);
-    inside.best.is_there().then_some(inside.best)
+    walk::<K>(&instances.tree, &Prepared::new(ray), found.t, &mut inside);
+    inside.best
 }
 
 /// True if the ray meets any triangle of an instance before its end.
 #[inline(always)]
-pub(super) fn any_of_instances<K: Kernel>(instances: &Instances, ray: &Ray) -> bool {
+pub(super) fn any_of_instances<K: Kernel>(instances: &Instances, ray: &PackedRay) -> bool {
     let inside = Inside::<K> {
         instances,
         ray,
-        best: Hit::none_before(ray.t_max),
+        best: Hit::none_before(ray.end()),
         kernel: PhantomData,
     };
-    walk_until::<K>(&instances.tree, &Prepared::new(ray), ray.t_max, &inside)
+    walk_until::<K>(&instances.tree, &Prepared::new(ray), ray.end(), &inside)
 }
 
 /// The triangles of a leaf.
@@ -261,7 +270,7 @@ impl<K: Kernel> AnyVisitor for Triangles<'_, K> {
 /// The mesh of an instance.
 struct Inside<'a, K> {
     instances: &'a Instances,
-    ray: &'a Ray,
+    ray: &'a PackedRay,
     best: Hit,
     kernel: PhantomData<K>,
 }
@@ -271,7 +280,8 @@ impl<K: Kernel> Visitor for Inside<'_, K> {
     fn visit(&mut self, leaf: usize, end: f32) -> f32 {
         let instance = &self.instances.instances[leaf];
         let inside = instance.ray_inside(self.ray, end);
-        if let Some(mut hit) = closest::<K>(&self.instances.meshes[instance.mesh], &inside) {
+        let mut hit = closest::<K>(&self.instances.meshes[instance.mesh], &inside);
+        if hit.is_there() {
             hit.triangle += instance.first_triangle;
             if hit.is_before(&self.best) {
                 self.best = hit;
@@ -290,10 +300,36 @@ impl<K: Kernel> AnyVisitor for Inside<'_, K> {
     }
 }
 
+impl PackedRay {
+    #[inline(always)]
+    pub(super) fn new(ray: &Ray) -> Self {
+        Self {
+            origin: ray.origin.extend(ray.t_max),
+            direction: ray.direction.extend(1.0),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn origin(&self) -> Vec3 {
+        self.origin.truncate()
+    }
+
+    #[inline(always)]
+    pub(super) fn direction(&self) -> Vec3 {
+        self.direction.truncate()
+    }
+
+    /// Hits at this distance or beyond do not count.
+    #[inline(always)]
+    pub(super) fn end(&self) -> f32 {
+        self.origin.w
+    }
+}
+
 impl Prepared {
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
-        let direction = ray.direction.extend(1.0);
+    fn new(ray: &PackedRay) -> Self {
+        let direction = ray.direction;
         let magnitude = direction.abs();
         // A huge but finite inverse keeps 0 · ∞ out of the slab test.
         let inverse = Vec4::select(
@@ -310,7 +346,7 @@ impl Prepared {
         let [x, y] = ACROSS[z][is_negative >> z & 1];
         let scale = inverse[z];
         Self {
-            origin: ray.origin.to_array(),
+            origin: ray.origin().to_array(),
             inverse: [inverse[0], inverse[1], inverse[2]],
             near: [0, 1, 2].map(|axis| 2 * axis + (is_negative >> axis & 1)),
             axes: [x, y, z],

@@ -92,9 +92,9 @@ fn write(path: &str, triangles: &[[Vec3; 3]], kinds: &[Vec<Ray>; 3]) -> std::io:
         floats(&corner.to_array())?;
     }
     for ray in kinds.iter().flatten() {
-        floats(&ray.origin.to_array())?;
-        floats(&ray.direction.to_array())?;
-        floats(&[ray.t_max])?;
+        floats(&ray.origin().to_array())?;
+        floats(&ray.direction().to_array())?;
+        floats(&[ray.t_max()])?;
     }
     Ok(())
 }

@@ -109,10 +109,14 @@ fn densities_of_camera_rays() {
                     (start.densities.pdf_a * origin_area - 1.0).abs() < 1e-4,
                     "{name}"
                 );
-                assert!((start.ray.direction.length() - 1.0).abs() < 1e-5);
+                assert!((start.ray.direction().length() - 1.0).abs() < 1e-5);
             }
-            let corner =
-                |dx: f32, dy: f32| camera.ray(Vec2::new(x + dx, y + dy), u_lens).ray.direction;
+            let corner = |dx: f32, dy: f32| {
+                camera
+                    .ray(Vec2::new(x + dx, y + dy), u_lens)
+                    .ray
+                    .direction()
+            };
             let [a, b, c, d] = [
                 corner(0.0, 0.0),
                 corner(1.0, 0.0),

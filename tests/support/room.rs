@@ -23,17 +23,17 @@ pub fn rays(bvh: &Bvh, triangles: &[[Vec3; 3]], side: u32) -> [Vec<Ray>; 3] {
         };
         let [a, b, c] = triangles[hit.triangle as usize];
         let ng = (b - a).cross(c - a).normalize();
-        let ng = if ng.dot(ray.direction) > 0.0 { -ng } else { ng };
+        let ng = if ng.dot(ray.direction()) > 0.0 {
+            -ng
+        } else {
+            ng
+        };
         let origin = ray.at(hit.t) + ng * 1e-4;
         let local = warp::cosine_hemisphere(sampler.next_2d());
         bounce.push(Ray::new(origin, Frame::from_z(ng).world_from_local(local)));
         let [u, v] = sampler.next_2d();
         let lamp = Vec3::new(2.0 * u - 1.0, 3.9, 2.0 * v - 1.0) - origin;
-        shadow.push(Ray {
-            origin,
-            direction: lamp.normalize(),
-            t_max: lamp.length(),
-        });
+        shadow.push(Ray::with_end(origin, lamp.normalize(), lamp.length()));
     }
     [primary, bounce, shadow]
 }

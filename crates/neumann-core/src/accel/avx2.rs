@@ -16,10 +16,9 @@ use std::arch::x86_64::{
 
 use super::bvh::PackedHit;
 use super::instances::Instances;
-use super::traverse::{
-    self, BoxHits, FAR_PADDING, Kernel, LaneHits, PackedRay, Prepared, decide_in_double,
-};
+use super::traverse::{self, BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
 use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
+use crate::math::Ray;
 
 struct Avx2;
 
@@ -27,26 +26,26 @@ struct Avx2;
 #[repr(C, align(32))]
 struct Aligned<const N: usize>([f32; N]);
 
-pub(super) fn closest(tree: &WideTree, ray: &PackedRay) -> PackedHit {
+pub(super) fn closest(tree: &WideTree, ray: &Ray) -> PackedHit {
     // SAFETY: `Bvh` chooses this module only where all of the features were detected.
     unsafe { closest_with_features(tree, ray) }
 }
 
-pub(super) fn any(tree: &WideTree, ray: &PackedRay) -> bool {
+pub(super) fn any(tree: &WideTree, ray: &Ray) -> bool {
     // SAFETY: as above.
     unsafe { any_with_features(tree, ray) }
 }
 
 pub(super) fn closest_of_instances(
     instances: &Instances,
-    ray: &PackedRay,
+    ray: &Ray,
     found: PackedHit,
 ) -> PackedHit {
     // SAFETY: as above.
     unsafe { closest_of_instances_with_features(instances, ray, found) }
 }
 
-pub(super) fn any_of_instances(instances: &Instances, ray: &PackedRay) -> bool {
+pub(super) fn any_of_instances(instances: &Instances, ray: &Ray) -> bool {
     // SAFETY: as above.
     unsafe { any_of_instances_with_features(instances, ray) }
 }
@@ -54,24 +53,24 @@ pub(super) fn any_of_instances(instances: &Instances, ray: &PackedRay) -> bool {
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
 fn closest_of_instances_with_features(
     instances: &Instances,
-    ray: &PackedRay,
+    ray: &Ray,
     found: PackedHit,
 ) -> PackedHit {
     traverse::closest_of_instances::<Avx2>(instances, ray, found.into()).into()
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-fn any_of_instances_with_features(instances: &Instances, ray: &PackedRay) -> bool {
+fn any_of_instances_with_features(instances: &Instances, ray: &Ray) -> bool {
     traverse::any_of_instances::<Avx2>(instances, ray)
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-fn closest_with_features(tree: &WideTree, ray: &PackedRay) -> PackedHit {
+fn closest_with_features(tree: &WideTree, ray: &Ray) -> PackedHit {
     traverse::closest::<Avx2>(tree, ray).into()
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-fn any_with_features(tree: &WideTree, ray: &PackedRay) -> bool {
+fn any_with_features(tree: &WideTree, ray: &Ray) -> bool {
     traverse::any::<Avx2>(tree, ray)
 }
 

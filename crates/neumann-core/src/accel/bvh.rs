@@ -14,7 +14,6 @@ use rayon::prelude::*;
 use super::avx2;
 use super::instances::{Instances, Placement};
 use super::portable;
-use super::traverse::PackedRay;
 use super::wide::WideTree;
 use crate::math::Ray;
 
@@ -124,8 +123,7 @@ impl Bvh {
     #[inline]
     #[must_use]
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let ray = &PackedRay::new(ray);
-        let mut hit = PackedHit::from(Hit::none_before(ray.end()));
+        let mut hit = PackedHit::from(Hit::none_before(ray.t_max()));
         if !self.tree.nodes.is_empty() {
             hit = match self.kernel {
                 Kernel::Portable => portable::closest(&self.tree, ray),
@@ -148,7 +146,6 @@ impl Bvh {
     #[inline]
     #[must_use]
     pub fn is_occluded(&self, ray: &Ray) -> bool {
-        let ray = &PackedRay::new(ray);
         let is_occluded = !self.tree.nodes.is_empty()
             && match self.kernel {
                 Kernel::Portable => portable::any(&self.tree, ray),

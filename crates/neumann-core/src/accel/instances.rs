@@ -4,7 +4,6 @@ use glam::{Affine3A, Vec3};
 use obvhs::aabb::Aabb;
 
 use super::bvh::{TreeQuality, binary_tree, halves, tree_of_triangles};
-use super::traverse::PackedRay;
 use super::wide::WideTree;
 use crate::math::Ray;
 
@@ -96,11 +95,9 @@ impl Instances {
 impl Instance {
     /// The ray in the mesh's space: its direction is not of unit length there, so that distances stay those of the world.
     #[inline(always)]
-    pub(super) fn ray_inside(&self, ray: &PackedRay, t_max: f32) -> PackedRay {
-        PackedRay::new(&Ray {
-            origin: self.mesh_from_world.transform_point3(ray.origin()),
-            direction: self.mesh_from_world.transform_vector3(ray.direction()),
-            t_max,
-        })
+    pub(super) fn ray_inside(&self, ray: &Ray, t_max: f32) -> Ray {
+        let origin = self.mesh_from_world.transform_point3(ray.origin());
+        let direction = self.mesh_from_world.transform_vector3(ray.direction());
+        Ray::with_end(origin, direction, t_max)
     }
 }

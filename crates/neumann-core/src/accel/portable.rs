@@ -2,34 +2,33 @@
 
 use super::bvh::PackedHit;
 use super::instances::Instances;
-use super::traverse::{
-    self, BoxHits, FAR_PADDING, Kernel, LaneHits, PackedRay, Prepared, decide_in_double,
-};
+use super::traverse::{self, BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
 use super::wide::{LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
+use crate::math::Ray;
 
 struct Portable;
 
 #[inline(never)]
-pub(super) fn closest(tree: &WideTree, ray: &PackedRay) -> PackedHit {
+pub(super) fn closest(tree: &WideTree, ray: &Ray) -> PackedHit {
     traverse::closest::<Portable>(tree, ray).into()
 }
 
 #[inline(never)]
-pub(super) fn any(tree: &WideTree, ray: &PackedRay) -> bool {
+pub(super) fn any(tree: &WideTree, ray: &Ray) -> bool {
     traverse::any::<Portable>(tree, ray)
 }
 
 #[inline(never)]
 pub(super) fn closest_of_instances(
     instances: &Instances,
-    ray: &PackedRay,
+    ray: &Ray,
     found: PackedHit,
 ) -> PackedHit {
     traverse::closest_of_instances::<Portable>(instances, ray, found.into()).into()
 }
 
 #[inline(never)]
-pub(super) fn any_of_instances(instances: &Instances, ray: &PackedRay) -> bool {
+pub(super) fn any_of_instances(instances: &Instances, ray: &Ray) -> bool {
     traverse::any_of_instances::<Portable>(instances, ray)
 }
 

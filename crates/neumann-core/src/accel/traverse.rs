@@ -12,7 +12,7 @@
 use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
 use super::Hit;
 use super::instances::Instances;
@@ -21,16 +21,6 @@ use crate::math::Ray;
 
 /// Room for the rounding of three operations on either side of a box.
 pub(super) const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;
-
-/// A ray as it is handed to a kernel: two whole vectors. Written in pieces and read as vectors, it would have to wait
-/// until it is in the cache.
-#[derive(Clone, Copy)]
-pub(super) struct PackedRay {
-    /// The origin, and where the ray ends.
-    origin: Vec4,
-    /// The direction, and 1.
-    direction: Vec4,
-}
 
 /// A ray prepared for both tests.
 pub(super) struct Prepared {
@@ -173,38 +163,34 @@ fn walk_until<K: Kernel>(
 
 /// The first triangle that the ray meets, or what stands for none.
 #[inline(always)]
-pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &PackedRay) -> Hit {
+pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &Ray) -> Hit {
     let prepared = Prepared::new(ray);
     let mut triangles = Triangles::<K> {
         tree,
         prepared: &prepared,
-        best: Hit::none_before(ray.end()),
+        best: Hit::none_before(ray.t_max()),
         kernel: PhantomData,
     };
-    walk::<K>(tree, &prepared, ray.end(), &mut triangles);
+    walk::<K>(tree, &prepared, ray.t_max(), &mut triangles);
     triangles.best
 }
 
 /// True if the ray meets any triangle before its end.
 #[inline(always)]
-pub(super) fn any<K: Kernel>(tree: &WideTree, ray: &PackedRay) -> bool {
+pub(super) fn any<K: Kernel>(tree: &WideTree, ray: &Ray) -> bool {
     let prepared = Prepared::new(ray);
     let triangles = Triangles::<K> {
         tree,
         prepared: &prepared,
-        best: Hit::none_before(ray.end()),
+        best: Hit::none_before(ray.t_max()),
         kernel: PhantomData,
     };
-    walk_until::<K>(tree, &prepared, ray.end(), &triangles)
+    walk_until::<K>(tree, &prepared, ray.t_max(), &triangles)
 }
 
 /// The first triangle of an instance that the ray meets, if it is before `found`, else that.
 #[inline(always)]
-pub(super) fn closest_of_instances<K: Kernel>(
-    instances: &Instances,
-    ray: &PackedRay,
-    found: Hit,
-) -> Hit {
+pub(super) fn closest_of_instances<K: Kernel>(instances: &Instances, ray: &Ray, found: Hit) -> Hit {
     let mut inside = Inside::<K> {
         instances,
         ray,
@@ -217,14 +203,14 @@ pub(super) fn closest_of_instances<K: Kernel>(
 
 /// True if the ray meets any triangle of an instance before its end.
 #[inline(always)]
-pub(super) fn any_of_instances<K: Kernel>(instances: &Instances, ray: &PackedRay) -> bool {
+pub(super) fn any_of_instances<K: Kernel>(instances: &Instances, ray: &Ray) -> bool {
     let inside = Inside::<K> {
         instances,
         ray,
-        best: Hit::none_before(ray.end()),
+        best: Hit::none_before(ray.t_max()),
         kernel: PhantomData,
     };
-    walk_until::<K>(&instances.tree, &Prepared::new(ray), ray.end(), &inside)
+    walk_until::<K>(&instances.tree, &Prepared::new(ray), ray.t_max(), &inside)
 }
 
 /// The triangles of a leaf.
@@ -270,7 +256,7 @@ impl<K: Kernel> AnyVisitor for Triangles<'_, K> {
 /// The mesh of an instance.
 struct Inside<'a, K> {
     instances: &'a Instances,
-    ray: &'a PackedRay,
+    ray: &'a Ray,
     best: Hit,
     kernel: PhantomData<K>,
 }
@@ -300,36 +286,10 @@ impl<K: Kernel> AnyVisitor for Inside<'_, K> {
     }
 }
 
-impl PackedRay {
-    #[inline(always)]
-    pub(super) fn new(ray: &Ray) -> Self {
-        Self {
-            origin: ray.origin.extend(ray.t_max),
-            direction: ray.direction.extend(1.0),
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn origin(&self) -> Vec3 {
-        self.origin.truncate()
-    }
-
-    #[inline(always)]
-    pub(super) fn direction(&self) -> Vec3 {
-        self.direction.truncate()
-    }
-
-    /// Hits at this distance or beyond do not count.
-    #[inline(always)]
-    pub(super) fn end(&self) -> f32 {
-        self.origin.w
-    }
-}
-
 impl Prepared {
     #[inline(always)]
-    fn new(ray: &PackedRay) -> Self {
-        let direction = ray.direction;
+    fn new(ray: &Ray) -> Self {
+        let direction = ray.direction_and_one;
         let magnitude = direction.abs();
         // A huge but finite inverse keeps 0 · ∞ out of the slab test.
         let inverse = Vec4::select(

@@ -38,7 +38,7 @@ impl Features {
                     None => (Rgb::BLACK, Vec3::ZERO, f32::INFINITY),
                     Some(vertex) => {
                         let cos = vertex.frame.z.dot(vertex.wo).abs();
-                        let depth = vertex.distance * ray.direction.dot(camera.forward());
+                        let depth = vertex.distance * ray.direction().dot(camera.forward());
                         (vertex.bsdf.albedo(cos), vertex.frame.z, depth)
                     }
                 }

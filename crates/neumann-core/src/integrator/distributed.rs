@@ -138,7 +138,7 @@ impl Distributed {
         } = branch;
         let Some(vertex) = tracer.vertex(&ray) else {
             if is_specular {
-                let radiance = tracer.scene.lights().environment_radiance(ray.direction);
+                let radiance = tracer.scene.lights().environment_radiance(ray.direction());
                 sink.add(hit(bounce, throughput * radiance, 1.0));
             }
             return;

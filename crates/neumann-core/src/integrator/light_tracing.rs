@@ -83,7 +83,7 @@ impl Integrator for LightTracing {
                     let Some(found) = tracer.hit(&ray) else {
                         return;
                     };
-                    let vertex = tracer.surface_vertex(-ray.direction, &found);
+                    let vertex = tracer.surface_vertex(-ray.direction(), &found);
                     throughput *= medium.transmittance(vertex.distance);
 
                     // What scatters there, seen by the lens.

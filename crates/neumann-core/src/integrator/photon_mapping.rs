@@ -352,10 +352,10 @@ impl Eye<'_> {
         loop {
             // What does the ray meet? L_e counts, against having been aimed at.
             let Some(vertex) = tracer.vertex(&path.ray) else {
-                let radiance = lights.environment_radiance(path.ray.direction);
+                let radiance = lights.environment_radiance(path.ray.direction());
                 if !radiance.is_black() {
                     let weight =
-                        path.weight(|d| d.mis_weight_of_environment(tracer, path.ray.direction));
+                        path.weight(|d| d.mis_weight_of_environment(tracer, path.ray.direction()));
                     sink.add(hit(path.bounce, path.throughput * radiance, weight));
                 }
                 return;

@@ -55,7 +55,7 @@ impl Integrator for Shade {
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
             let ray = camera.ray(raster, sampler.next_2d()).ray;
             let Some(vertex) = tracer.vertex(&ray) else {
-                let radiance = scene.lights().environment_radiance(ray.direction);
+                let radiance = scene.lights().environment_radiance(ray.direction());
                 sink.add(hit(0, radiance, 1.0));
                 return;
             };

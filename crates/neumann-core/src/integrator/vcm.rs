@@ -205,7 +205,7 @@ impl Integrator for Vcm {
                             sink.add(found);
                         }
                     } else if walk.is_specular {
-                        let radiance = scene.lights().environment_radiance(walk.ray.direction);
+                        let radiance = scene.lights().environment_radiance(walk.ray.direction());
                         let bounce = u32::from(walk.n_vertices) - 1;
                         sink.add(hit(bounce, walk.throughput * radiance, 1.0));
                     }

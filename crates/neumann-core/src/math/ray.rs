@@ -1,35 +1,63 @@
 //! Rays, and how a new one leaves a surface without meeting it again.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// A half-line or segment in world space.
+///
+/// It is kept as two whole vectors, as the traversal reads it: written to memory in pieces of other sizes, it could
+/// not be read until it is in the cache.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it starts, metres.
-    pub origin: Vec3,
-    /// Where it goes, unit.
-    pub direction: Vec3,
-    /// Hits at this distance or beyond do not count, metres.
-    pub t_max: f32,
+    /// Where it starts, and the distance where it ends.
+    pub(crate) origin_and_end: Vec4,
+    /// Where it goes, and 1.
+    pub(crate) direction_and_one: Vec4,
 }
 
 impl Ray {
-    /// A ray without an end.
-    #[inline]
+    /// A ray without an end, from a point (metres) in a direction (unit).
+    #[inline(always)]
     #[must_use]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self::with_end(origin, direction, f32::INFINITY)
+    }
+
+    /// A ray on which hits at the distance `t_max` (metres) or beyond do not count.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_end(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
         Self {
-            origin,
-            direction,
-            t_max: f32::INFINITY,
+            origin_and_end: origin.extend(t_max),
+            direction_and_one: direction.extend(1.0),
         }
+    }
+
+    /// Where it starts, metres.
+    #[inline(always)]
+    #[must_use]
+    pub fn origin(&self) -> Vec3 {
+        self.origin_and_end.truncate()
+    }
+
+    /// Where it goes, unit.
+    #[inline(always)]
+    #[must_use]
+    pub fn direction(&self) -> Vec3 {
+        self.direction_and_one.truncate()
+    }
+
+    /// Hits at this distance or beyond do not count, metres.
+    #[inline(always)]
+    #[must_use]
+    pub fn t_max(&self) -> f32 {
+        self.origin_and_end.w
     }
 
     /// The point at distance `t`.
     #[inline]
     #[must_use]
     pub fn at(&self, t: f32) -> Vec3 {
-        self.origin + self.direction * t
+        self.origin() + self.direction() * t
     }
 }
 

@@ -66,7 +66,7 @@ impl<'a> Tracer<'a> {
     #[inline(always)]
     pub fn vertex(&mut self, ray: &Ray) -> Option<SurfaceVertex<'a>> {
         let hit = self.hit(ray)?;
-        Some(self.surface_vertex(-ray.direction, &hit))
+        Some(self.surface_vertex(-ray.direction(), &hit))
     }
 
     /// The first surface that the ray meets; surfaces with alpha may let it pass.
@@ -121,7 +121,7 @@ impl<'a> Tracer<'a> {
             let Some(hit) = self.scene.bvh().closest_hit(&rest) else {
                 return share;
             };
-            if hit.t >= rest.t_max {
+            if hit.t >= rest.t_max() {
                 return share;
             }
             share *= 1.0 - self.opacity(&hit);
@@ -252,7 +252,7 @@ impl<'a> Tracer<'a> {
                 return Some(hit);
             }
             let next = self.beyond(&rest, &hit);
-            passed += (next.origin - rest.origin).dot(ray.direction);
+            passed += (next.origin() - rest.origin()).dot(ray.direction());
             rest = next;
             hit = self.scene.bvh().closest_hit(&rest)?;
         }
@@ -275,12 +275,9 @@ impl<'a> Tracer<'a> {
     fn beyond(&self, ray: &Ray, hit: &Hit) -> Ray {
         let facet = self.scene.geometry().facet(hit.triangle);
         let position = facet.at(hit.barycentrics);
-        let origin = offset_point(position, facet.error, facet.ng, ray.direction);
-        Ray {
-            origin,
-            direction: ray.direction,
-            t_max: ray.t_max - (origin - ray.origin).dot(ray.direction),
-        }
+        let origin = offset_point(position, facet.error, facet.ng, ray.direction());
+        let t_max = ray.t_max() - (origin - ray.origin()).dot(ray.direction());
+        Ray::with_end(origin, ray.direction(), t_max)
     }
 }
 
@@ -289,11 +286,7 @@ impl<'a> Tracer<'a> {
 fn segment(origin: Vec3, target: Vec3) -> Option<Ray> {
     let apart = target - origin;
     let distance = apart.length();
-    (distance > 0.0).then(|| Ray {
-        origin,
-        direction: apart / distance,
-        t_max: distance,
-    })
+    (distance > 0.0).then(|| Ray::with_end(origin, apart / distance, distance))
 }
 
 #[inline]
@@ -380,7 +373,7 @@ fn tangent_from_uvs(mesh: &PlacedMesh, vertices: [usize; 3], facet: &Facet, set:
 /// decided alike wherever it is traced again.
 fn chance(ray: &Ray, triangle: u32) -> f32 {
     let mut h = u64::from(triangle) ^ 0x9e37_79b9_7f4a_7c15;
-    let (o, d) = (ray.origin, ray.direction);
+    let (o, d) = (ray.origin(), ray.direction());
     for x in [o.x, o.y, o.z, d.x, d.y, d.z] {
         h = (h ^ u64::from(x.to_bits())).wrapping_mul(0xff51_afd7_ed55_8ccd);
         h ^= h >> 32;

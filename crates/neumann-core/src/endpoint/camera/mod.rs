@@ -263,11 +263,11 @@ impl Camera {
     #[must_use]
     pub fn hit_lens(&self, ray: &Ray, t_max: f32) -> Option<LensHit> {
         let lens = self.lens.filter(|_| self.has_lens())?;
-        let cos = -ray.direction.dot(self.forward);
+        let cos = -ray.direction().dot(self.forward);
         if cos <= 1e-6 {
             return None;
         }
-        let distance = (ray.origin - self.position).dot(self.forward) / cos;
+        let distance = (ray.origin() - self.position).dot(self.forward) / cos;
         if distance <= 0.0 || distance >= t_max {
             return None;
         }
@@ -276,7 +276,7 @@ impl Camera {
         if on_lens.length() > 0.5 * lens.aperture {
             return None;
         }
-        let raster = self.raster_of(on_lens, -ray.direction)?;
+        let raster = self.raster_of(on_lens, -ray.direction())?;
         let start = StartDensities {
             pdf_a: 1.0 / self.lens_area,
             pdf_w: self.pdf_w(cos),
@@ -420,7 +420,7 @@ mod tests {
                 let start = camera.ray(*raster, u);
                 let (aim, found) = camera.aim(start.ray.at(3.7), u).unwrap();
                 assert!((found - *raster).length() < 1e-3, "{found} {raster}");
-                assert!((aim.wi + start.ray.direction).length() < 1e-5);
+                assert!((aim.wi + start.ray.direction()).length() < 1e-5);
                 let ratio = aim.start.pdf_w / start.densities.pdf_w;
                 assert!((ratio - 1.0).abs() < 1e-4);
             }

@@ -49,13 +49,13 @@ pub fn hit_environment(
     weighing: &Weighing,
 ) -> Option<Contribution> {
     let lights = tracer.scene.lights();
-    let radiance = lights.environment_radiance(walk.ray.direction);
+    let radiance = lights.environment_radiance(walk.ray.direction());
     if radiance.is_black() {
         return None;
     }
     let mis_weight = walk.receiver.map_or(1.0, |from| {
         let (pdf_aim, start) =
-            lights.environment_densities(&from, LightChoice::Tree, walk.ray.direction);
+            lights.environment_densities(&from, LightChoice::Tree, walk.ray.direction());
         weighing.hit(walk.partial, pdf_aim, start)
     });
     Some(contribution(

@@ -113,7 +113,7 @@ impl Walk {
     #[inline(always)]
     pub fn meet<'a>(&mut self, tracer: &mut Tracer<'a>, weighing: &Weighing) -> Option<Vertex<'a>> {
         let found = tracer.hit(&self.ray)?;
-        let surface = tracer.surface_vertex(-self.ray.direction, &found);
+        let surface = tracer.surface_vertex(-self.ray.direction(), &found);
         self.throughput *= self.medium.transmittance(surface.distance);
         if weighing.has_others() {
             let d2 = if self.comes_from_infinity {

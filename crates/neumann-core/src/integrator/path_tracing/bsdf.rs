@@ -44,7 +44,7 @@ impl Integrator for BsdfSampling {
             for bounce in 0..=max_bounces {
                 // What does the ray meet? Nothing: the environment emits.
                 let Some(vertex) = tracer.vertex(&ray) else {
-                    let radiance = scene.lights().environment_radiance(ray.direction);
+                    let radiance = scene.lights().environment_radiance(ray.direction());
                     sink.add(hit(bounce, throughput * radiance, 1.0));
                     return;
                 };

@@ -71,15 +71,16 @@ impl Integrator for Mis {
             for bounce in 0..=max_bounces {
                 // What does the ray meet? Nothing: the environment emits.
                 let Some(found) = tracer.hit(&ray) else {
-                    let radiance = scene.lights().environment_radiance(ray.direction);
+                    let radiance = scene.lights().environment_radiance(ray.direction());
                     if !radiance.is_black() {
-                        let weight = drawn
-                            .map_or(1.0, |d| d.mis_weight_of_environment(tracer, ray.direction));
+                        let weight = drawn.map_or(1.0, |d| {
+                            d.mis_weight_of_environment(tracer, ray.direction())
+                        });
                         sink.add(hit(bounce, throughput * radiance, weight));
                     }
                     return;
                 };
-                let vertex = tracer.surface_vertex(-ray.direction, &found);
+                let vertex = tracer.surface_vertex(-ray.direction(), &found);
                 throughput *= medium.transmittance(vertex.distance);
                 if bounce == 0 {
                     add_unlit(tracer, &vertex, sink);

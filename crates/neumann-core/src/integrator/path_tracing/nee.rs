@@ -71,7 +71,7 @@ impl Integrator for NextEvent {
                 // What does the ray meet? Nothing: the environment emits.
                 let Some(vertex) = tracer.vertex(&ray) else {
                     if is_specular {
-                        let radiance = scene.lights().environment_radiance(ray.direction);
+                        let radiance = scene.lights().environment_radiance(ray.direction());
                         sink.add(hit(bounce, throughput * radiance, 1.0));
                     }
                     return;

@@ -101,11 +101,13 @@ impl Material {
         self.absorption
     }
 
-    /// True where nothing about the surface depends on texture coordinates, so that a hit need not read them.
+    /// How the surface scatters, where nothing about it depends on texture coordinates, so that a hit need not read them; vertex
+    /// colours are left to the caller.
     #[inline]
     #[must_use]
-    pub fn is_uniform(&self) -> bool {
-        self.uniform.is_some() && self.normal.is_none() && !self.has_alpha()
+    pub fn uniform_bsdf(&self) -> Option<&Bsdf> {
+        let is_uniform = self.normal.is_none() && !self.has_alpha();
+        self.uniform.as_ref().filter(|_| is_uniform)
     }
 
     /// The texture that bends the normal.

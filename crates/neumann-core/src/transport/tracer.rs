@@ -183,36 +183,39 @@ impl<'a> Tracer<'a> {
         let facet = geometry.facet(hit.triangle);
         let mesh = &geometry.meshes()[facet.mesh as usize];
         let material = &self.scene.materials()[mesh.material as usize];
-        let surface = if material.is_uniform() && mesh.arrays.colors.is_none() {
-            Surface {
-                ns: if mesh.arrays.normals.is_some() {
+        let vertex = |ns: Vec3, bsdf: Bsdf, opacity: f32| {
+            let frame = Frame::from_z(ns);
+            SurfaceVertex {
+                point: SurfacePoint {
+                    position: facet.at(hit.barycentrics),
+                    error: facet.error,
+                    ng: facet.ng,
+                },
+                frame,
+                wo,
+                wo_local: frame.local_from_world(wo),
+                distance: hit.t,
+                bsdf,
+                material,
+                opacity,
+                triangle: hit.triangle,
+                barycentrics: hit.barycentrics,
+            }
+        };
+        match material.uniform_bsdf() {
+            Some(bsdf) if mesh.arrays.colors.is_none() => {
+                let ns = if mesh.arrays.normals.is_some() {
                     let vertices = geometry.vertices(&facet, hit.triangle);
                     smooth_normal(mesh, vertices, hit.barycentrics, facet.ng)
                 } else {
                     facet.ng
-                },
-                bsdf: material.bsdf(&SurfaceInputs::NONE),
-                opacity: 1.0,
+                };
+                vertex(ns, *bsdf, 1.0)
             }
-        } else {
-            self.varying_surface(hit, &facet, material)
-        };
-        let frame = Frame::from_z(surface.ns);
-        SurfaceVertex {
-            point: SurfacePoint {
-                position: facet.at(hit.barycentrics),
-                error: facet.error,
-                ng: facet.ng,
-            },
-            frame,
-            wo,
-            wo_local: frame.local_from_world(wo),
-            distance: hit.t,
-            bsdf: surface.bsdf,
-            material,
-            opacity: surface.opacity,
-            triangle: hit.triangle,
-            barycentrics: hit.barycentrics,
+            _ => {
+                let surface = self.varying_surface(hit, &facet, material);
+                vertex(surface.ns, surface.bsdf, surface.opacity)
+            }
         }
     }
 

@@ -8,7 +8,7 @@
 
 use glam::Vec3;
 
-use crate::bsdf::{Bsdf, Scatter, TransportMode};
+use crate::bsdf::{Bsdf, BsdfSample, Scatter, TransportMode};
 use crate::endpoint::{Receiver, SurfacePoint};
 use crate::material::Material;
 use crate::math::ray::offset_point;
@@ -183,7 +183,16 @@ impl SurfaceVertex<'_> {
     #[inline(always)]
     #[must_use]
     pub fn sample_of(&self, bsdf: &Bsdf, u: [f32; 3], mode: TransportMode) -> Option<VertexSample> {
-        let sample = bsdf.sample(self.wo_local, u, mode)?;
+        // The commonest BSDF has a way of its own, on which all stays in registers.
+        match bsdf {
+            Bsdf::Lambert(lambert) => self.in_world(lambert.sample(self.wo_local, u, mode)?, mode),
+            other => self.in_world(other.sample(self.wo_local, u, mode)?, mode),
+        }
+    }
+
+    /// What is drawn in the shading frame, seen from the world; `None` where the two normals disagree.
+    #[inline(always)]
+    fn in_world(&self, sample: BsdfSample, mode: TransportMode) -> Option<VertexSample> {
         let wi = self.frame.world_from_local(sample.wi);
         if !self.sides_agree(wi, sample.wi) {
             return None;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3, Vec4};
 
 use super::description::{InstanceDescription, MeshDescription, SceneDescription};
-use super::geometry::{Facet, Geometry, MeshArrays, MeshPlacement, PlacedMesh};
+use super::geometry::{Geometry, MeshArrays, MeshPlacement, PlacedMesh};
 use super::{OpeningProgress, OpeningStep};
 use crate::accel::{Bvh, Placement, TreeQuality};
 
@@ -160,7 +160,7 @@ impl Builder<'_> {
         // Only now, as the tree takes most memory while it is built.
         let mut facets = Vec::with_capacity(self.n_triangles);
         for (number, mesh) in self.meshes[..first_instance].iter().enumerate() {
-            facets.extend(mesh.triangles().map(|c| Facet::new(&c, number as u32)));
+            facets.extend(mesh.facets(number as u32));
         }
         let geometry = Geometry {
             meshes: self.meshes,

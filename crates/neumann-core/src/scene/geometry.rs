@@ -31,24 +31,39 @@ pub struct Facet {
     pub edges: [Vec3; 2],
     /// Normal, unit, towards the front side.
     pub ng: Vec3,
-    /// Bound of the rounding error of points on it, metres.
-    pub error: f32,
     /// Index of its mesh.
     pub mesh: u32,
+    vertices: [u32; 3],
 }
 
 impl Facet {
-    /// A facet of mesh number `mesh` with an area that is not zero.
+    /// A facet of mesh number `mesh` between three of its vertices, at corners that span an area.
     #[must_use]
-    pub fn new(corners: &[Vec3; 3], mesh: u32) -> Self {
+    pub fn new(corners: &[Vec3; 3], mesh: u32, vertices: [u32; 3]) -> Self {
         let edges = [corners[1] - corners[0], corners[2] - corners[0]];
         Self {
             corner: corners[0],
             edges,
             ng: edges[0].cross(edges[1]).normalize_or(Vec3::Y),
-            error: position_error(corners),
             mesh,
+            vertices,
         }
+    }
+
+    /// Its corners, as vertices of the mesh.
+    #[inline]
+    #[must_use]
+    pub fn vertices(&self) -> [usize; 3] {
+        self.vertices.map(|v| v as usize)
+    }
+
+    /// Bound of the rounding error of points on it, metres.
+    #[inline]
+    #[must_use]
+    pub fn error(&self) -> f32 {
+        let [to_second, to_third] = self.edges;
+        let corner = self.corner;
+        position_error(&[corner, corner + to_second, corner + to_third])
     }
 
     /// The point with the given barycentric coordinates of the second and third corner.
@@ -163,15 +178,7 @@ impl Geometry {
         let mesh = &instances[index];
         let vertices = mesh.arrays.triangles[(triangle - mesh.first_triangle) as usize];
         let corners = mesh.corners(vertices.map(|v| v as usize));
-        Facet::new(&corners, (self.first_instance + index) as u32)
-    }
-
-    /// The corners of a triangle of a facet, as vertices of its mesh.
-    #[inline]
-    #[must_use]
-    pub fn vertices(&self, facet: &Facet, triangle: u32) -> [usize; 3] {
-        let mesh = &self.meshes[facet.mesh as usize];
-        mesh.arrays.triangles[(triangle - mesh.first_triangle) as usize].map(|v| v as usize)
+        Facet::new(&corners, (self.first_instance + index) as u32, vertices)
     }
 }
 
@@ -180,6 +187,12 @@ impl PlacedMesh {
     pub(super) fn triangles(&self) -> impl Iterator<Item = [Vec3; 3]> {
         let triangles = self.arrays.triangles.iter();
         triangles.map(|t| self.corners(t.map(|v| v as usize)))
+    }
+
+    /// Its triangles as those of mesh number `number`.
+    pub(super) fn facets(&self, number: u32) -> impl Iterator<Item = Facet> {
+        let triangles = self.triangles().zip(&self.arrays.triangles);
+        triangles.map(move |(corners, vertices)| Facet::new(&corners, number, *vertices))
     }
 
     /// Positions of three vertices, world space.

@@ -158,7 +158,7 @@ impl<'a> Tracer<'a> {
         let facet = geometry.facet(hit.triangle);
         let attributes = attributes(
             &geometry.meshes()[facet.mesh as usize],
-            geometry.vertices(&facet, hit.triangle),
+            facet.vertices(),
             hit.barycentrics,
         );
         vertex.material.base_color(&attributes.inputs())
@@ -188,7 +188,7 @@ impl<'a> Tracer<'a> {
             SurfaceVertex {
                 point: SurfacePoint {
                     position: facet.at(hit.barycentrics),
-                    error: facet.error,
+                    error: facet.error(),
                     ng: facet.ng,
                 },
                 frame,
@@ -205,7 +205,7 @@ impl<'a> Tracer<'a> {
         match material.uniform_bsdf() {
             Some(bsdf) if mesh.arrays.colors.is_none() => {
                 let ns = if mesh.arrays.normals.is_some() {
-                    let vertices = geometry.vertices(&facet, hit.triangle);
+                    let vertices = facet.vertices();
                     smooth_normal(mesh, vertices, hit.barycentrics, facet.ng)
                 } else {
                     facet.ng
@@ -224,7 +224,7 @@ impl<'a> Tracer<'a> {
     fn varying_surface(&self, hit: &Hit, facet: &Facet, material: &Material) -> Surface {
         let geometry = self.scene.geometry();
         let mesh = &geometry.meshes()[facet.mesh as usize];
-        let vertices = geometry.vertices(facet, hit.triangle);
+        let vertices = facet.vertices();
         let attributes = attributes(mesh, vertices, hit.barycentrics);
         Surface {
             ns: shading_normal(
@@ -270,7 +270,7 @@ impl<'a> Tracer<'a> {
         if !material.has_alpha() {
             return 1.0;
         }
-        let vertices = geometry.vertices(&facet, hit.triangle);
+        let vertices = facet.vertices();
         material.opacity(&attributes(mesh, vertices, hit.barycentrics).inputs())
     }
 
@@ -278,7 +278,7 @@ impl<'a> Tracer<'a> {
     fn beyond(&self, ray: &Ray, hit: &Hit) -> Ray {
         let facet = self.scene.geometry().facet(hit.triangle);
         let position = facet.at(hit.barycentrics);
-        let origin = offset_point(position, facet.error, facet.ng, ray.direction());
+        let origin = offset_point(position, facet.error(), facet.ng, ray.direction());
         let t_max = ray.t_max() - (origin - ray.origin()).dot(ray.direction());
         Ray::with_end(origin, ray.direction(), t_max)
     }

@@ -82,6 +82,8 @@ impl VertexSample {
     }
 }
 
+/// Diffuse reflection, the commonest BSDF, has a way of its own through the methods below, on which all stays in registers;
+/// others hand over what they find in memory.
 impl SurfaceVertex<'_> {
     /// `f(wo, wi) · cos_i`, 1/sr, delta lobes not counted.
     #[inline(always)]
@@ -91,8 +93,11 @@ impl SurfaceVertex<'_> {
         if !self.sides_agree(wi, wi_local) {
             return Rgb::BLACK;
         }
-        let f = self.bsdf.eval(self.wo_local, wi_local, mode);
-        f * (wi_local.z.abs() * self.normal_correction(wi, wi_local, mode))
+        let factor = wi_local.z.abs() * self.normal_correction(wi, wi_local, mode);
+        match &self.bsdf {
+            Bsdf::Lambert(lambert) => lambert.eval(self.wo_local, wi_local, mode) * factor,
+            other => other.eval(self.wo_local, wi_local, mode) * factor,
+        }
     }
 
     /// `f · cos_i` with the density of `wi`, delta lobes not counted; `None` where nothing is scattered.
@@ -113,12 +118,14 @@ impl SurfaceVertex<'_> {
         if !self.sides_agree(wi, wi_local) {
             return None;
         }
-        let (f, pdf_w) = self.bsdf.eval_and_pdf_w(self.wo_local, wi_local, mode);
-        if f.is_black() {
-            return None;
+        let factor = wi_local.z.abs() * self.normal_correction(wi, wi_local, mode);
+        let weighed = |(f, pdf_w): (Rgb, f32)| (!f.is_black()).then(|| (f * factor, pdf_w));
+        match &self.bsdf {
+            Bsdf::Lambert(lambert) => {
+                weighed(lambert.eval_and_pdf_w(self.wo_local, wi_local, mode))
+            }
+            other => weighed(other.eval_and_pdf_w(self.wo_local, wi_local, mode)),
         }
-        let f_cos = f * (wi_local.z.abs() * self.normal_correction(wi, wi_local, mode));
-        Some((f_cos, pdf_w))
     }
 
     /// Density with which [`Self::sample`] yields `wi`, 1/sr, delta lobes not counted.
@@ -183,7 +190,6 @@ impl SurfaceVertex<'_> {
     #[inline(always)]
     #[must_use]
     pub fn sample_of(&self, bsdf: &Bsdf, u: [f32; 3], mode: TransportMode) -> Option<VertexSample> {
-        // The commonest BSDF has a way of its own, on which all stays in registers.
         match bsdf {
             Bsdf::Lambert(lambert) => self.in_world(lambert.sample(self.wo_local, u, mode)?, mode),
             other => self.in_world(other.sample(self.wo_local, u, mode)?, mode),

@@ -174,7 +174,7 @@ impl Camera {
     ///
     /// `value` of the aim is importance arriving at x, already multiplied by the number of
     /// pixels: light of one path adds `f · cos · value / pdf_w` times its throughput to that pixel.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn aim(&self, x: Vec3, u: [f32; 2]) -> Option<(Aim, Vec2)> {
         let n_pixels = self.width * self.height;

@@ -9,7 +9,7 @@ use glam::{Vec3, Vec4};
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     /// Where it starts, and the distance where it ends.
-    pub(crate) origin_and_end: Vec4,
+    origin_and_end: Vec4,
     /// Where it goes, and 1.
     pub(crate) direction_and_one: Vec4,
 }

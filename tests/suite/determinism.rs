@@ -10,7 +10,7 @@ use std::time::Duration;
 use glam::Vec3;
 use neumann_core::accel::TreeQuality;
 use neumann_core::film::Film;
-use neumann_core::integrator::{Integrator, METHODS, Method, ParameterValues, Sight};
+use neumann_core::integrator::{Integrator, METHODS, Method, ParameterValues, Sight, Value};
 use neumann_core::render::{CancelToken, Cancelled, Job, Pass, RenderLoop, Renderer, StopRule};
 use neumann_core::scene::description::{MeshDescription, SceneDescription};
 use neumann_core::scene::{OpeningProgress, Scene};
@@ -31,17 +31,32 @@ fn assert_same_bits(a: &Film, b: &Film, what: &str) {
     }
 }
 
+/// Every method with its default parameters, and adaptive sampling, which looks at iterations before its own.
+fn ways(scene: &Arc<Scene>, width: usize, height: usize) -> Vec<(String, Setup)> {
+    let setup = Setup::new(scene, width, height);
+    let by = |method: &&'static Method| (method.id.to_owned(), setup.clone().by(method));
+    let mut ways: Vec<_> = METHODS.iter().map(by).collect();
+    let mut adaptive = setup;
+    adaptive
+        .settings
+        .values
+        .put("adaptive", Value::Switch(true));
+    ways.push(("adaptive".to_owned(), adaptive));
+    ways
+}
+
 #[test]
 fn threads_do_not_matter() {
     for name in ["cornell-glass", "many", "sky"] {
         let scene = builtin(name);
-        for &method in METHODS {
-            // More than one tile, and tiles that are cut off.
-            let setup = Setup::new(&scene, 41, 35).by(method).seeded(7);
-            let one = setup.film_on(pool_of(1), 0, 3);
+        // More than one tile, and tiles that are cut off.
+        for (id, setup) in ways(&scene, 41, 35) {
+            let setup = setup.seeded(7);
+            // From the fifth iteration on, adaptive sampling goes by what it measured.
+            let one = setup.film_on(pool_of(1), 2, 4);
             for n_threads in [2, 7] {
-                let other = setup.film_on(pool_of(n_threads), 0, 3);
-                let what = format!("{name}, {}, {n_threads} threads", method.id);
+                let other = setup.film_on(pool_of(n_threads), 2, 4);
+                let what = format!("{name}, {id}, {n_threads} threads");
                 assert_same_bits(&one, &other, &what);
             }
         }
@@ -51,30 +66,30 @@ fn threads_do_not_matter() {
 #[test]
 fn seeds_and_iterations_matter() {
     let scene = builtin("cornell");
-    for &method in METHODS {
-        let setup = Setup::new(&scene, 16, 16).by(method);
-        let film = setup.film(0, 1);
-        assert_ne!(film.total(), setup.film(1, 1).total(), "{}", method.id);
-        let other = setup.clone().seeded(1).film(0, 1);
-        assert_ne!(film.total(), other.total(), "{}", method.id);
+    for (id, setup) in ways(&scene, 16, 16) {
+        // Adaptive sampling begins with the fifth iteration.
+        let first = if id == "adaptive" { 4 } else { 0 };
+        let film = setup.film(first, 1);
+        assert!(film.total() != setup.film(first + 1, 1).total(), "{id}");
+        let other = setup.clone().seeded(1).film(first, 1);
+        assert!(film.total() != other.total(), "{id}");
     }
 }
 
 #[test]
 fn a_cancelled_iteration_leaves_no_trace() {
     let scene = builtin("cornell-glass");
-    for &method in METHODS {
-        let setup = Setup::new(&scene, 33, 20).by(method);
-        let whole = setup.film(0, 4);
+    for (id, setup) in ways(&scene, 33, 20) {
+        let whole = setup.film(0, 6);
         let mut film = Film::new(33, 20, setup.settings.n_layers);
         let mut renderer = Renderer::new(Arc::clone(&scene), setup.settings.clone(), pool(), 0);
-        for _ in 0..4 {
+        for _ in 0..6 {
             let cancelled = CancelToken::default();
             cancelled.cancel();
             assert_eq!(renderer.iterate(&cancelled).err(), Some(Cancelled));
             film.add(renderer.iterate(&CancelToken::default()).unwrap());
         }
-        assert_same_bits(&whole, &film, method.id);
+        assert_same_bits(&whole, &film, &id);
     }
 }
 
@@ -126,8 +141,8 @@ fn cancelling_is_heeded_within_a_row() {
 #[test]
 fn a_run_is_the_sum_of_its_parts() {
     let scene = builtin("cornell-glass");
-    for &method in METHODS {
-        let setup = Setup::new(&scene, 24, 24).by(method).seeded(3);
+    for (id, setup) in ways(&scene, 24, 24) {
+        let setup = setup.seeded(3);
         let whole = setup.film(0, 64);
         // Two ranges rendered apart and merged, in either order.
         for first_is_early in [true, false] {
@@ -138,7 +153,7 @@ fn a_run_is_the_sum_of_its_parts() {
                 (late, early)
             };
             film.merge(&rest).unwrap();
-            assert_close(&whole, &film, method.id);
+            assert_close(&whole, &film, &id);
         }
         // The first part goes on where it stopped, from what a file would hold of it.
         let part = setup.film(0, 20);
@@ -157,8 +172,8 @@ fn a_run_is_the_sum_of_its_parts() {
         for _ in 20..64 {
             film.add(renderer.iterate(&CancelToken::default()).unwrap());
         }
-        assert_eq!(whole.layers(), film.layers(), "{}: resumed", method.id);
-        assert_close(&whole, &film, method.id);
+        assert_eq!(whole.layers(), film.layers(), "{id}: resumed");
+        assert_close(&whole, &film, &id);
     }
 }
 

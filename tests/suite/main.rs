@@ -1,5 +1,6 @@
 //! The questions that the program must answer, one module each.
 
+mod adaptive;
 mod adjoint;
 mod agreement;
 mod cameras;

@@ -136,7 +136,6 @@ pub(crate) fn report(rendered: &Rendered, outputs: &[PathBuf]) -> Value {
     let film = &rendered.film;
     let n = f64::from(film.n_iterations());
     let seconds = rendered.metadata.seconds;
-    let n_samples = n * (film.width() * film.height()) as f64;
     let outputs: Vec<_> = outputs.iter().map(|p| p.display().to_string()).collect();
     let mut report = json!({
         "integrator": rendered.metadata.integrator,
@@ -144,7 +143,7 @@ pub(crate) fn report(rendered: &Rendered, outputs: &[PathBuf]) -> Value {
         "first_iteration": rendered.metadata.iterations.first(),
         "seconds": seconds,
         "ms_per_iteration": seconds * 1e3 / n,
-        "samples_per_second": n_samples / seconds,
+        "samples_per_second": rendered.samples_per_second,
         "rays_per_second": rendered.rays_per_second,
         "refused": film.n_refused(),
         "estimated_error": film.estimated_error(),

@@ -89,7 +89,8 @@ pub(crate) struct Rendered {
     pub(crate) film: Film,
     pub(crate) features: Features,
     pub(crate) metadata: Metadata,
-    /// Rays per second, of this run; `None` if it rendered nothing.
+    /// Samples (paths of pixels) and rays per second, of this run; `None` if it rendered nothing.
+    pub(crate) samples_per_second: Option<f64>,
     pub(crate) rays_per_second: Option<f64>,
     /// The techniques of this run, if they were kept apart.
     pub(crate) techniques: Option<TechniqueFilm>,
@@ -131,7 +132,7 @@ impl Session {
         renderer.record_techniques(self.technique_divisor);
         let mut photons = None;
         let mut progress = Progress::new(self.goal);
-        let (mut n_rays, mut seconds_here) = (0u64, 0.0);
+        let (mut n_samples, mut n_rays, mut seconds_here) = (0u64, 0u64, 0.0);
         let is_complete = loop {
             let standing = Standing {
                 n_iterations: film.n_iterations(),
@@ -150,6 +151,7 @@ impl Session {
             let Ok(frame) = renderer.iterate(cancel) else {
                 break false;
             };
+            n_samples += frame.n_samples();
             n_rays += frame.n_rays();
             photons = frame.photons();
             self.pool.run(|| film.add(frame));
@@ -165,11 +167,13 @@ impl Session {
         let features = self
             .pool
             .run(|| Features::trace(&self.scene, &s.camera, s.width, s.height));
+        let per_second = |n: u64| (seconds_here > 0.0).then(|| n as f64 / seconds_here);
         Rendered {
             film,
             features,
             metadata,
-            rays_per_second: (seconds_here > 0.0).then(|| n_rays as f64 / seconds_here),
+            samples_per_second: per_second(n_samples),
+            rays_per_second: per_second(n_rays),
             techniques: renderer.techniques().cloned(),
             photons,
             is_complete,

@@ -41,6 +41,10 @@ pub struct Frame {
     pub(crate) n_refused: u64,
     /// Rays traced.
     pub(crate) n_rays: u64,
+    /// Of these, rays of the paths of each tile's pixels.
+    pub(crate) n_rays_of_tiles: Vec<u32>,
+    /// Paths that it is the mean of, of all pixels.
+    pub(crate) n_samples: u64,
     /// What its photons were like, if it had any.
     pub(crate) photons: Option<PhotonReport>,
 }
@@ -109,6 +113,13 @@ pub(crate) struct Slot {
 pub(crate) struct TileBounds {
     pub(crate) start: [usize; 2],
     pub(crate) end: [usize; 2],
+}
+
+impl TileBounds {
+    /// Their number.
+    pub(crate) fn n_pixels(self) -> usize {
+        (self.end[0] - self.start[0]) * (self.end[1] - self.start[1])
+    }
 }
 
 /// How an image is cut into tiles.
@@ -190,6 +201,8 @@ impl Frame {
             lit: vec![LitLayers::default(); n_tiles],
             n_refused: 0,
             n_rays: 0,
+            n_rays_of_tiles: vec![0; n_tiles],
+            n_samples: 0,
             photons: None,
         }
     }
@@ -222,6 +235,12 @@ impl Frame {
     #[must_use]
     pub fn n_rays(&self) -> u64 {
         self.n_rays
+    }
+
+    /// Paths that it is the mean of, of all pixels: as many as there are pixels, unless the method says otherwise.
+    #[must_use]
+    pub fn n_samples(&self) -> u64 {
+        self.n_samples
     }
 
     /// What its photons were like, if it had any.
@@ -276,6 +295,7 @@ impl Frame {
         self.lit.fill(LitLayers::default());
         self.n_refused = 0;
         self.n_rays = 0;
+        self.n_samples = (self.width * self.height) as u64;
         self.photons = None;
     }
 }

@@ -10,6 +10,7 @@ mod pass;
 mod pool;
 mod render_loop;
 mod renderer;
+mod sample_counts;
 mod settings;
 mod sink;
 
@@ -18,5 +19,6 @@ pub use pass::{Collected, LightNumbers, Pass, PixelSample};
 pub use pool::WorkerPool;
 pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule, Thumbnail};
 pub use renderer::Renderer;
+pub use sample_counts::SampleCounts;
 pub use settings::RenderSettings;
 pub use sink::Sink;

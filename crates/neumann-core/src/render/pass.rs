@@ -12,12 +12,12 @@ use rayon::prelude::*;
 
 use super::coverage::Coverage;
 use super::sink::{Sink, SinkShape, Yield, add_splats};
-use super::{CancelToken, Cancelled, RenderSettings};
+use super::{CancelToken, Cancelled, RenderSettings, SampleCounts};
 use crate::endpoint::Camera;
 use crate::film::techniques::TechniqueFilm;
 use crate::film::{Contribution, Frame, LitLayers, PhotonReport, Strategy, TileBounds};
 use crate::radiometry::Rgb;
-use crate::sampling::{Sampler, TileNumbers};
+use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::transport::Tracer;
 
@@ -39,6 +39,7 @@ pub struct Pass<'a> {
     iteration: u32,
     cancel: &'a CancelToken,
     techniques: Option<&'a mut TechniqueFilm>,
+    samples: SampleCounts,
 }
 
 /// One path's place on the film.
@@ -120,6 +121,7 @@ impl<'a> Pass<'a> {
             iteration,
             cancel,
             techniques,
+            samples: SampleCounts::Even(1),
         }
     }
 
@@ -171,12 +173,45 @@ impl<'a> Pass<'a> {
         }
     }
 
+    /// What the iteration has come to so far.
+    #[must_use]
+    pub fn frame(&self) -> &Frame {
+        self.frame
+    }
+
+    /// Runs so many paths for each pixel from now on, and leaves their mean.
+    pub fn sample(&mut self, samples: SampleCounts) {
+        self.samples = samples;
+    }
+
+    /// Runs another iteration, to see what it is like; [`Self::forget`] it afterwards.
+    ///
+    /// # Errors
+    /// Those of `run`.
+    pub fn rehearse(
+        &mut self,
+        iteration: u32,
+        run: impl FnOnce(&mut Self) -> Result<(), Cancelled>,
+    ) -> Result<(), Cancelled> {
+        let present = std::mem::replace(&mut self.iteration, iteration);
+        let techniques = self.techniques.take();
+        let outcome = run(self);
+        self.iteration = present;
+        self.techniques = techniques;
+        outcome
+    }
+
+    /// Makes the frame black again.
+    pub fn forget(&mut self) {
+        self.frame.forget();
+    }
+
     /// Tells what the iteration's photons were like, for whoever looks at the frame.
     pub fn report(&mut self, photons: PhotonReport) {
         self.frame.photons = Some(photons);
     }
 
-    /// Runs `path` once for each pixel: its position on the raster (drawn uniformly from the
+    /// Runs `path` for each pixel, once unless [`Self::sample`] says otherwise: its position on the raster (drawn uniformly from the
     /// pixel), a tracer, the path's random numbers, and the sink for its contributions.
     ///
     /// `path` must give a camera ray that meets nothing the radiance from there, with weight 1: where that is the same from
@@ -196,7 +231,7 @@ impl<'a> Pass<'a> {
         )
     }
 
-    /// Runs `path` once for each pixel of all, with room that each task makes once and every path of it may use.
+    /// Runs `path` for each pixel of all, as [`Self::trace_pixels`] does, with room that each task makes once and every path of it may use.
     ///
     /// # Errors
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
@@ -213,7 +248,7 @@ impl<'a> Pass<'a> {
         self.trace_tiles(scene, room, path, None)
     }
 
-    /// Runs `path` once for each pixel; where nothing stands before `background`, that is all there is.
+    /// Runs `path` for each pixel; where nothing stands before `background`, that is all there is.
     fn trace_tiles<'s, R, M, F>(
         &mut self,
         scene: &'s Scene,
@@ -227,7 +262,9 @@ impl<'a> Pass<'a> {
     {
         let width = self.frame.width();
         let (grid, per_tile) = (self.frame.grid(), self.frame.values_per_tile());
-        let (seed, iteration, max_bounces) = (self.seed, self.iteration, self.max_bounces);
+        let keys = (self.seed, self.iteration, self.max_bounces);
+        let samples = self.samples.clone();
+        self.frame.n_samples = samples.total(grid);
         let (cancel, coverage) = (self.cancel, self.coverage);
         let shape = self.sink_shape();
         let rounds = self.rounds(grid.n_tiles());
@@ -244,33 +281,43 @@ impl<'a> Pass<'a> {
                     }
                     let mut tracer = Tracer::new(scene);
                     let mut sink = Sink::new(tile, lit, shape);
-                    let bounds = grid.bounds(round.start + i);
+                    let number = round.start + i;
+                    let bounds = grid.bounds(number);
                     if let Some(radiance) = background
-                        && !coverage.is_covered(round.start + i)
+                        && !coverage.is_covered(number)
                     {
                         fill(bounds, radiance, &mut sink);
                         return sink.into_yield(0);
                     }
                     let TileBounds { start, end } = bounds;
-                    let numbers =
-                        TileNumbers::new(seed, iteration, start[0], start[1], max_bounces);
-                    for y in start[1]..end[1] {
-                        if cancel.is_cancelled() {
-                            return Yield::default();
-                        }
-                        for x in start[0]..end[0] {
-                            sink.start_pixel(x, y);
-                            let index = y * width + x;
-                            let mut sampler = numbers.of_pixel(x, y, index);
-                            let u = sampler.next_2d();
-                            let raster = Vec2::new(x as f32 + u[0], y as f32 + u[1]);
-                            let sample = PixelSample { raster, index };
-                            path(room, sample, &mut tracer, &mut sampler, &mut sink);
+                    let n_samples = samples.of_tile(number);
+                    sink.share_among(n_samples);
+                    for sample in 0..n_samples {
+                        let numbers = samples.numbers((number, bounds), keys, sample);
+                        for y in start[1]..end[1] {
+                            if cancel.is_cancelled() {
+                                return Yield::default();
+                            }
+                            for x in start[0]..end[0] {
+                                sink.start_pixel(x, y);
+                                let index = y * width + x;
+                                let mut sampler = numbers.of_pixel(x, y, index);
+                                let u = sampler.next_2d();
+                                let raster = Vec2::new(x as f32 + u[0], y as f32 + u[1]);
+                                let sample = PixelSample { raster, index };
+                                path(room, sample, &mut tracer, &mut sampler, &mut sink);
+                            }
                         }
                     }
                     sink.into_yield(tracer.n_rays())
                 })
                 .collect();
+            for (n_rays, part) in self.frame.n_rays_of_tiles[round.clone()]
+                .iter_mut()
+                .zip(&yields)
+            {
+                *n_rays = part.n_rays as u32;
+            }
             self.take(&yields)?;
         }
         Ok(())

@@ -307,10 +307,10 @@ struct Task {
 #[derive(Clone, Copy)]
 struct Pace {
     method: &'static Method,
-    seconds_per_sample: f64,
+    seconds_per_pixel: f64,
 }
 
-/// Seconds for a sample of a method that has not been seen at work: the ladder is climbed from far down.
+/// Seconds for a pixel of a method that has not been seen at work: the ladder is climbed from far down.
 const SLOWEST_PACE: f64 = 1e-5;
 
 /// One job on its way up the ladder and on.
@@ -347,7 +347,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let (generation, divisor) = (climb.generation, climb.divisor);
         let is_first = climb.n_iterations == 0;
         let renderer = climb.renderer(&task.job, pool);
-        let n_samples = renderer.settings().width * renderer.settings().height;
+        let n_pixels = renderer.settings().width * renderer.settings().height;
         let records = task.is_recording && divisor == 1;
         if records != renderer.techniques().is_some() {
             renderer.record_techniques(records.then(|| technique_divisor(renderer.settings())));
@@ -359,9 +359,10 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let seconds = start.elapsed().as_secs_f64();
         pace = Some(Pace {
             method: task.job.settings.method,
-            seconds_per_sample: seconds / n_samples as f64,
+            seconds_per_pixel: seconds / n_pixels as f64,
         });
         let (n_rays, photons) = (frame.n_rays(), frame.photons());
+        let samples_per_second = frame.n_samples() as f64 / seconds;
         let fresh = is_first.then(|| Film::new(frame.width(), frame.height(), frame.n_layers()));
         pool.run(|| {
             shared.publish(|published| {
@@ -395,7 +396,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let stats = Stats {
             n_iterations: climb.n_iterations,
             seconds: climb.seconds,
-            samples_per_second: n_samples as f64 / seconds,
+            samples_per_second,
             rays_per_second: n_rays as f64 / seconds,
             estimated_error: f64::INFINITY,
             n_refused: 0,
@@ -413,10 +414,10 @@ impl Climb {
     /// Begins a job on the coarsest rung that is needed for a first frame in time.
     fn new(task: &Task, pace: Option<Pace>) -> Self {
         let settings = &task.job.settings;
-        let n_samples = (settings.width * settings.height) as f64;
+        let n_pixels = (settings.width * settings.height) as f64;
         // What another method took says nothing about this one.
         let pace = pace.filter(|pace| pace.method == settings.method);
-        let seconds = n_samples * pace.map_or(SLOWEST_PACE, |pace| pace.seconds_per_sample);
+        let seconds = n_pixels * pace.map_or(SLOWEST_PACE, |pace| pace.seconds_per_pixel);
         let is_in_time = |divisor: &usize| seconds / ((divisor * divisor) as f64) <= COARSE_SECONDS;
         let first = [1, 2, 4, 8].into_iter().find(is_in_time).unwrap_or(8);
         let rungs = [1, 2, 4, 8]

@@ -19,6 +19,8 @@ pub struct Sink<'a> {
     tile: &'a mut [Rgb],
     lit: &'a mut LitLayers,
     shape: SinkShape,
+    /// What each path counts: one over their number.
+    share: f32,
     splats: Vec<Splat>,
     n_refused: u64,
     /// The pixel of the film that the path belongs to, and its place in the tile.
@@ -79,12 +81,18 @@ impl<'a> Sink<'a> {
             tile,
             lit,
             shape,
+            share: 1.0,
             splats: Vec::new(),
             n_refused: 0,
             pixel: (0, 0),
             pixel_in_tile: 0,
             records: Vec::new(),
         }
+    }
+
+    /// From now on each pixel is the mean of so many paths.
+    pub(super) fn share_among(&mut self, n_paths: u8) {
+        self.share = 1.0 / f32::from(n_paths);
     }
 
     /// Goes on to a pixel.
@@ -107,14 +115,18 @@ impl<'a> Sink<'a> {
     #[inline]
     fn record(&mut self, pixel: (u32, u32), contribution: &Contribution) {
         if let Some(shape) = self.shape.recording {
-            self.records.push(shape.record(pixel, contribution));
+            let contribution = Contribution {
+                value: contribution.value * self.share,
+                ..*contribution
+            };
+            self.records.push(shape.record(pixel, &contribution));
         }
     }
 
     /// Adds to the path's own pixel.
     #[inline]
     pub fn add(&mut self, contribution: Contribution) {
-        let value = contribution.value * contribution.mis_weight;
+        let value = contribution.value * (contribution.mis_weight * self.share);
         if !value.is_radiance() {
             self.n_refused += 1;
             return;
@@ -130,7 +142,7 @@ impl<'a> Sink<'a> {
     /// Adds to the pixel that `raster` falls in, if any; raster (0, 0) is the top left corner of pixel (0, 0).
     #[inline]
     pub fn splat(&mut self, raster: Vec2, contribution: Contribution) {
-        let value = contribution.value * contribution.mis_weight;
+        let value = contribution.value * (contribution.mis_weight * self.share);
         if !value.is_radiance() {
             self.n_refused += 1;
             return;

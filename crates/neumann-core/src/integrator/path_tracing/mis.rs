@@ -14,6 +14,7 @@ use crate::scene::Scene;
 use crate::transport::Medium;
 use crate::transport::reflection::{Drawn, aim_at_light, light_sample};
 
+use super::adaptive::{ADAPTIVE, Adaptive};
 use super::bsdf::{MODE, bsdf_numbers};
 use super::nee::{LIGHTS, light_choice};
 use super::{add_unlit, connect, hit};
@@ -38,15 +39,21 @@ pub static METHOD: Method = Method {
             kind: ParameterKind::Switch { default: true },
         },
         LIGHTS,
+        ADAPTIVE,
     ],
     build: |values: &ParameterValues| {
-        Box::new(Mis {
+        let mis = Mis {
             choice: match light_choice(values) {
                 LightChoice::Tree => LightChoice::TreeBesideBsdf,
                 choice => choice,
             },
             has_roulette: values.switch("roulette"),
-        })
+        };
+        if values.switch(ADAPTIVE.name) {
+            Box::new(Adaptive::new(mis))
+        } else {
+            Box::new(mis)
+        }
     },
 };
 

@@ -1,8 +1,10 @@
 //! Path tracing in four steps, each the last one plus one idea.
 //!
 //! [`naive`] is the slide's pseudo-code; [`bsdf`] draws directions from the BSDF;
-//! [`nee`] also aims at the lights; [`mis`] weighs both and ends paths by chance.
+//! [`nee`] also aims at the lights; [`mis`] weighs both and ends paths by chance. `adaptive` has more
+//! paths where the picture is noisy.
 
+mod adaptive;
 pub mod bsdf;
 pub mod mis;
 pub mod naive;

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::frame::{LitLayers, TILE, TILE_PIXELS, TileBounds, TileGrid};
 use super::{Frame, View};
+use crate::math::prefetch;
 use crate::radiometry::Rgb;
 
 /// The mean of all iterations so far, layer by layer.
@@ -358,6 +359,13 @@ impl Band<'_> {
                 let (mean, values) = (cast_slice_mut(mean), cast_slice(values));
                 for (in_film, in_tile) in rows.clone() {
                     let values: &[f32] = &values[in_tile.clone()];
+                    // What the next tile will want of this row: too short a stretch for the processor to see it coming.
+                    for line in (in_film.end..in_film.end + in_film.len()).step_by(FLOATS_PER_LINE)
+                    {
+                        if let Some(value) = mean.get(line) {
+                            prefetch(value);
+                        }
+                    }
                     let mean: &mut [f32] = &mut mean[in_film];
                     if !was_lit.contains(layer) {
                         // Written before it is read, or the system would hand out the page twice.
@@ -386,6 +394,8 @@ impl Band<'_> {
 
 /// Channels of a colour.
 const N_CHANNELS: usize = 3;
+/// In a line of cache.
+const FLOATS_PER_LINE: usize = 16;
 
 fn mean_of(values: impl ExactSizeIterator<Item = Rgb>) -> [f64; 3] {
     let n = values.len().max(1) as f64;

@@ -1,4 +1,4 @@
-//! Both tests in vectors of eight and four, for processors with AVX2.
+//! Both tests in vectors of eight and four, for processors with AVX2, or with AVX-512 too.
 //!
 //! The same operations in the same order as in [`super::portable`], so that the bits agree.
 #![allow(
@@ -14,11 +14,8 @@ use std::arch::x86_64::{
     _mm256_set1_ps, _mm256_setzero_ps, _mm256_store_ps, _mm256_sub_ps,
 };
 
-use super::bvh::PackedHit;
-use super::instances::Instances;
-use super::traverse::{self, BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
+use super::traverse::{BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
 use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
-use crate::math::Ray;
 
 struct Avx2;
 
@@ -26,52 +23,75 @@ struct Avx2;
 #[repr(C, align(32))]
 struct Aligned<const N: usize>([f32; N]);
 
-pub(super) fn closest(tree: &WideTree, ray: &Ray) -> PackedHit {
-    // SAFETY: `Bvh` chooses this module only where all of the features were detected.
-    unsafe { closest_with_features(tree, ray) }
+/// The walks, compiled for processors that have some features.
+macro_rules! compile_for {
+    ($features:literal) => {
+        use super::Avx2;
+        use crate::accel::bvh::PackedHit;
+        use crate::accel::instances::Instances;
+        use crate::accel::traverse;
+        use crate::accel::wide::WideTree;
+        use crate::math::Ray;
+
+        pub(in crate::accel) fn closest(tree: &WideTree, ray: &Ray) -> PackedHit {
+            // SAFETY: `Bvh` chooses this module only where all of the features were detected.
+            unsafe { closest_with_features(tree, ray) }
+        }
+
+        pub(in crate::accel) fn any(tree: &WideTree, ray: &Ray) -> bool {
+            // SAFETY: as above.
+            unsafe { any_with_features(tree, ray) }
+        }
+
+        pub(in crate::accel) fn closest_of_instances(
+            instances: &Instances,
+            ray: &Ray,
+            found: PackedHit,
+        ) -> PackedHit {
+            // SAFETY: as above.
+            unsafe { closest_of_instances_with_features(instances, ray, found) }
+        }
+
+        pub(in crate::accel) fn any_of_instances(instances: &Instances, ray: &Ray) -> bool {
+            // SAFETY: as above.
+            unsafe { any_of_instances_with_features(instances, ray) }
+        }
+
+        #[target_feature(enable = $features)]
+        fn closest_of_instances_with_features(
+            instances: &Instances,
+            ray: &Ray,
+            found: PackedHit,
+        ) -> PackedHit {
+            traverse::closest_of_instances::<Avx2>(instances, ray, found.into()).into()
+        }
+
+        #[target_feature(enable = $features)]
+        fn any_of_instances_with_features(instances: &Instances, ray: &Ray) -> bool {
+            traverse::any_of_instances::<Avx2>(instances, ray)
+        }
+
+        #[target_feature(enable = $features)]
+        fn closest_with_features(tree: &WideTree, ray: &Ray) -> PackedHit {
+            traverse::closest::<Avx2>(tree, ray).into()
+        }
+
+        #[target_feature(enable = $features)]
+        fn any_with_features(tree: &WideTree, ray: &Ray) -> bool {
+            traverse::any::<Avx2>(tree, ray)
+        }
+    };
 }
 
-pub(super) fn any(tree: &WideTree, ray: &Ray) -> bool {
-    // SAFETY: as above.
-    unsafe { any_with_features(tree, ray) }
+/// With what came with AVX2.
+pub(super) mod plain {
+    compile_for!("avx2,fma,bmi1,lzcnt");
 }
 
-pub(super) fn closest_of_instances(
-    instances: &Instances,
-    ray: &Ray,
-    found: PackedHit,
-) -> PackedHit {
-    // SAFETY: as above.
-    unsafe { closest_of_instances_with_features(instances, ray, found) }
-}
-
-pub(super) fn any_of_instances(instances: &Instances, ray: &Ray) -> bool {
-    // SAFETY: as above.
-    unsafe { any_of_instances_with_features(instances, ray) }
-}
-
-#[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-fn closest_of_instances_with_features(
-    instances: &Instances,
-    ray: &Ray,
-    found: PackedHit,
-) -> PackedHit {
-    traverse::closest_of_instances::<Avx2>(instances, ray, found.into()).into()
-}
-
-#[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-fn any_of_instances_with_features(instances: &Instances, ray: &Ray) -> bool {
-    traverse::any_of_instances::<Avx2>(instances, ray)
-}
-
-#[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-fn closest_with_features(tree: &WideTree, ray: &Ray) -> PackedHit {
-    traverse::closest::<Avx2>(tree, ray).into()
-}
-
-#[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
-fn any_with_features(tree: &WideTree, ray: &Ray) -> bool {
-    traverse::any::<Avx2>(tree, ray)
+/// The same with AVX-512: its vectors are no longer here, but there are twice as many registers, so that less of a ray has to
+/// be read from memory again and again.
+pub(super) mod avx512 {
+    compile_for!("avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq");
 }
 
 impl Kernel for Avx2 {

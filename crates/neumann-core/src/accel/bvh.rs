@@ -80,6 +80,8 @@ enum Kernel {
     Portable,
     #[cfg(target_arch = "x86_64")]
     Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
 }
 
 impl std::fmt::Debug for Bvh {
@@ -128,14 +130,18 @@ impl Bvh {
             hit = match self.kernel {
                 Kernel::Portable => portable::closest(&self.tree, ray),
                 #[cfg(target_arch = "x86_64")]
-                Kernel::Avx2 => avx2::closest(&self.tree, ray),
+                Kernel::Avx2 => avx2::plain::closest(&self.tree, ray),
+                #[cfg(target_arch = "x86_64")]
+                Kernel::Avx512 => avx2::avx512::closest(&self.tree, ray),
             };
         }
         if let Some(instances) = &self.instances {
             hit = match self.kernel {
                 Kernel::Portable => portable::closest_of_instances(instances, ray, hit),
                 #[cfg(target_arch = "x86_64")]
-                Kernel::Avx2 => avx2::closest_of_instances(instances, ray, hit),
+                Kernel::Avx2 => avx2::plain::closest_of_instances(instances, ray, hit),
+                #[cfg(target_arch = "x86_64")]
+                Kernel::Avx512 => avx2::avx512::closest_of_instances(instances, ray, hit),
             };
         }
         let hit = Hit::from(hit);
@@ -150,7 +156,9 @@ impl Bvh {
             && match self.kernel {
                 Kernel::Portable => portable::any(&self.tree, ray),
                 #[cfg(target_arch = "x86_64")]
-                Kernel::Avx2 => avx2::any(&self.tree, ray),
+                Kernel::Avx2 => avx2::plain::any(&self.tree, ray),
+                #[cfg(target_arch = "x86_64")]
+                Kernel::Avx512 => avx2::avx512::any(&self.tree, ray),
             };
         match &self.instances {
             None => is_occluded,
@@ -158,7 +166,9 @@ impl Bvh {
             Some(instances) => match self.kernel {
                 Kernel::Portable => portable::any_of_instances(instances, ray),
                 #[cfg(target_arch = "x86_64")]
-                Kernel::Avx2 => avx2::any_of_instances(instances, ray),
+                Kernel::Avx2 => avx2::plain::any_of_instances(instances, ray),
+                #[cfg(target_arch = "x86_64")]
+                Kernel::Avx512 => avx2::avx512::any_of_instances(instances, ray),
             },
         }
     }
@@ -294,16 +304,41 @@ pub(super) fn halves<T: Boundable>(items: &[T]) -> Bvh2 {
 }
 
 impl Kernel {
-    fn best() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if std::is_x86_feature_detected!("avx2")
-            && std::is_x86_feature_detected!("fma")
-            && std::is_x86_feature_detected!("bmi1")
-            && std::is_x86_feature_detected!("lzcnt")
-        {
-            return Self::Avx2;
+    /// Those that this processor can run, the fastest first.
+    fn available() -> impl Iterator<Item = Self> {
+        let all = [
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2,
+            Self::Portable,
+        ];
+        all.into_iter().filter(|kernel| kernel.is_available())
+    }
+
+    fn is_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => {
+                std::is_x86_feature_detected!("avx2")
+                    && std::is_x86_feature_detected!("fma")
+                    && std::is_x86_feature_detected!("bmi1")
+                    && std::is_x86_feature_detected!("lzcnt")
+            }
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                Self::Avx2.is_available()
+                    && std::is_x86_feature_detected!("avx512f")
+                    && std::is_x86_feature_detected!("avx512vl")
+                    && std::is_x86_feature_detected!("avx512bw")
+                    && std::is_x86_feature_detected!("avx512dq")
+            }
         }
-        Self::Portable
+    }
+
+    fn best() -> Self {
+        Self::available().next().unwrap_or(Self::Portable)
     }
 }
 
@@ -376,12 +411,12 @@ mod tests {
     fn no_ray_slips_through_a_closed_mesh() {
         const N_RAYS: u64 = 10_000_000;
         let scales = [1e-3, 1e-1, 1.0, 1e2, 1e4];
-        let kernels = [Kernel::best(), Kernel::Portable];
+        let kernels: Vec<Kernel> = Kernel::available().collect();
         let n = N_RAYS / (scales.len() * kernels.len()) as u64;
         for scale in scales {
             let triangles = sphere(40, scale);
             let mut bvh = Bvh::new(&triangles);
-            for kernel in kernels {
+            for &kernel in &kernels {
                 bvh.kernel = kernel;
                 let slips = |i: u64| {
                     let mut sampler = Sampler::new(5, i, 0);
@@ -410,14 +445,18 @@ mod tests {
             let mut sampler = Sampler::new(6, i, 0);
             let origin = warp::uniform_sphere(sampler.next_2d()) * 1.5;
             let ray = Ray::new(origin, warp::uniform_sphere(sampler.next_2d()));
-            let answers = [Kernel::best(), Kernel::Portable].map(|kernel| {
+            let answer = |kernel: Kernel| {
                 bvh.kernel = kernel;
                 let hit = bvh.closest_hit(&ray);
                 let bits =
                     hit.map(|h| (h.triangle, h.t.to_bits(), h.barycentrics.map(f32::to_bits)));
                 (bits, bvh.is_occluded(&ray))
-            });
-            assert_eq!(answers[0], answers[1], "ray {i}");
+            };
+            let answers: Vec<_> = Kernel::available().map(answer).collect();
+            assert!(
+                answers.iter().all(|a| *a == answers[0]),
+                "ray {i}: {answers:?}"
+            );
         }
     }
 
@@ -497,7 +536,7 @@ mod tests {
         }
         let mut instanced = Bvh::with_instances(&ground, &[mesh], &placements, TreeQuality::Full);
         let flattened = Bvh::new(&flat);
-        for kernel in [Kernel::best(), Kernel::Portable] {
+        for kernel in Kernel::available() {
             instanced.kernel = kernel;
             let mut n_hits = 0;
             for i in 0..20_000 {

@@ -10,7 +10,7 @@ use glam::{Vec3, Vec4};
 pub struct Ray {
     /// Where it starts, and the distance where it ends.
     origin_and_end: Vec4,
-    /// Where it goes, and 1.
+    /// Where it goes, and 1. Unit, unless it was made to measure in another length.
     pub(crate) direction_and_one: Vec4,
 }
 
@@ -22,7 +22,8 @@ impl Ray {
         Self::with_end(origin, direction, f32::INFINITY)
     }
 
-    /// A ray on which hits at the distance `t_max` (metres) or beyond do not count.
+    /// A ray on which hits at the distance `t_max` or beyond do not count: metres, or, if the direction is not unit, as many
+    /// times its length.
     #[inline(always)]
     #[must_use]
     pub fn with_end(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
@@ -39,14 +40,14 @@ impl Ray {
         self.origin_and_end.truncate()
     }
 
-    /// Where it goes, unit.
+    /// Where it goes; unit for rays without an end.
     #[inline(always)]
     #[must_use]
     pub fn direction(&self) -> Vec3 {
         self.direction_and_one.truncate()
     }
 
-    /// Hits at this distance or beyond do not count, metres.
+    /// Hits at this distance or beyond do not count, in lengths of the direction.
     #[inline(always)]
     #[must_use]
     pub fn t_max(&self) -> f32 {

@@ -255,7 +255,7 @@ impl<'a> Tracer<'a> {
                 return Some(hit);
             }
             let next = self.beyond(&rest, &hit);
-            passed += (next.origin() - rest.origin()).dot(ray.direction());
+            passed += distance_along(ray, rest.origin(), next.origin());
             rest = next;
             hit = self.scene.bvh().closest_hit(&rest)?;
         }
@@ -279,17 +279,23 @@ impl<'a> Tracer<'a> {
         let facet = self.scene.geometry().facet(hit.triangle);
         let position = facet.at(hit.barycentrics);
         let origin = offset_point(position, facet.error(), facet.ng, ray.direction());
-        let t_max = ray.t_max() - (origin - ray.origin()).dot(ray.direction());
+        let t_max = ray.t_max() - distance_along(ray, ray.origin(), origin);
         Ray::with_end(origin, ray.direction(), t_max)
     }
 }
 
-/// The ray from one point to another, if they are apart.
+/// How much further one point is than another along a ray, in lengths of its direction.
+fn distance_along(ray: &Ray, from: Vec3, to: Vec3) -> f32 {
+    let direction = ray.direction();
+    (to - from).dot(direction) / direction.length_squared()
+}
+
+/// The ray from one point to another, if they are apart. It measures in their distance, so that it waits for no root and no
+/// division.
 #[inline]
 fn segment(origin: Vec3, target: Vec3) -> Option<Ray> {
     let apart = target - origin;
-    let distance = apart.length();
-    (distance > 0.0).then(|| Ray::with_end(origin, apart / distance, distance))
+    (apart.length_squared() > 0.0).then(|| Ray::with_end(origin, apart, 1.0))
 }
 
 #[inline]

@@ -212,7 +212,8 @@ impl AreaLight {
         let to_light = position - x;
         let distance_squared = to_light.length_squared();
         let distance = distance_squared.sqrt();
-        let wi = to_light / distance;
+        // The root and the division do not wait for each other.
+        let wi = to_light * (distance * (1.0 / distance_squared));
         let cos = self.ng.dot(wi).abs();
         if cos < 1e-6 || !distance.is_normal() {
             return None;

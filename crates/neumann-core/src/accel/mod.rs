@@ -3,7 +3,8 @@
 //! obvhs builds a binary tree; `collapse` makes a `wide` one of it, with nodes of eight children and
 //! leaves of four triangles; `traverse` walks it. The two tests that it asks for, of boxes and of triangles, are
 //! written over arrays for any processor (`portable`) and in vectors for those with AVX2 (`avx2`), which are compiled once more
-//! for those with AVX-512; which of the three runs is chosen when the tree is built. `instances` is for meshes that stand in the world many times.
+//! for those with AVX-512; which of the three runs is chosen when the tree is built. `instances` is for
+//! meshes that stand in the world many times.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -215,7 +215,7 @@ impl AreaLight {
         // The root and the division do not wait for each other.
         let wi = to_light * (distance * (1.0 / distance_squared));
         let cos = self.ng.dot(wi).abs();
-        if cos < 1e-6 || !distance.is_normal() {
+        if cos < 1e-6 || !distance_squared.is_normal() {
             return None;
         }
         let value = self.radiance(barycentrics, -wi);

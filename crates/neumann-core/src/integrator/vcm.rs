@@ -19,7 +19,7 @@ use crate::integrator::{
     Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
 };
 use crate::photons::{HashGrid, Photon, Placed};
-use crate::render::{Cancelled, Pass};
+use crate::render::{Cancelled, Collected, Pass};
 use crate::scene::Scene;
 use crate::transport::Tracer;
 use crate::transport::reflection::{light_sample, start_sample};
@@ -72,6 +72,8 @@ pub static METHOD: Method = Method {
             heuristic: heuristic(values),
             has_roulette: values.switch(ROULETTE.name),
             n_light_paths: None,
+            paths: Collected::default(),
+            grid: HashGrid::default(),
         })
     },
 };
@@ -84,6 +86,9 @@ struct Vcm {
     has_roulette: bool,
     /// Light paths in an iteration, once it is known how long they are.
     n_light_paths: Option<usize>,
+    /// What the last iteration's light paths left; kept for its memory.
+    paths: Collected<LightVertex>,
+    grid: HashGrid<Mergeable>,
 }
 
 /// A light vertex as merging needs it: one line of a processor's cache.
@@ -144,8 +149,12 @@ impl Integrator for Vcm {
 
         // First pass: light paths.
         let numbers = pass.light_numbers(n_paths);
-        let paths =
-            pass.trace_light_paths(scene, n_paths, numbers, |_, tracer, sampler, sink, kept| {
+        pass.trace_light_paths_into(
+            &mut self.paths,
+            scene,
+            n_paths,
+            numbers,
+            |_, tracer, sampler, sink, kept| {
                 let Some(start) = scene.lights().start(&start_sample(sampler)) else {
                     return;
                 };
@@ -178,13 +187,18 @@ impl Integrator for Vcm {
                         return;
                     }
                 }
-            })?;
-        let grid = has_merges.then(|| HashGrid::new(&paths.items, radius, LightVertex::mergeable));
+            },
+        )?;
+        let paths = &self.paths;
+        if has_merges {
+            self.grid.fill(&paths.items, radius, LightVertex::mergeable);
+        }
+        let grid = has_merges.then_some(&self.grid);
         pass.report(PhotonReport {
             radius: if has_merges { radius } else { 0.0 },
             n_paths,
             n_vertices: paths.items.len(),
-            bytes: size_of_val(paths.items.as_slice()) + grid.as_ref().map_or(0, HashGrid::bytes),
+            bytes: size_of_val(paths.items.as_slice()) + grid.map_or(0, HashGrid::bytes),
         });
 
         // Second pass: camera paths.
@@ -230,7 +244,7 @@ impl Integrator for Vcm {
                 sampler.start_bounce(bounce);
                 let joins = vertex.surface.bsdf.has_density();
                 // The search for photons takes its time to fetch them, so it begins early.
-                let near = grid.as_ref().filter(|_| joins);
+                let near = grid.filter(|_| joins);
                 let near = near.map(|grid| (grid, grid.begin(vertex.surface.point.position)));
                 if joins && has_connections {
                     let u = light_sample(sampler);

@@ -4,6 +4,8 @@
 //! in which they were given, so that sums over them have the same bits for any number of threads. They are
 //! kept as copies, since a search that had to follow indices would wait for memory most of its time.
 
+use std::mem::take;
+
 use glam::{IVec3, Vec3, Vec4};
 use rayon::prelude::*;
 
@@ -17,6 +19,9 @@ pub struct HashGrid<T> {
     mask: u32,
     /// `starts[bucket]..starts[bucket + 1]`: its entries.
     starts: Vec<u32>,
+    /// Bucket of each item, and items by bucket: of use only while the grid is filled.
+    buckets: Vec<u32>,
+    order: Vec<u32>,
     /// Apart from the entries: most that a search looks at are too far away.
     positions: Vec<Group>,
     entries: Vec<T>,
@@ -65,60 +70,84 @@ pub trait Placed {
     fn position(&self) -> Vec3;
 }
 
+impl<T> Default for HashGrid<T> {
+    /// A grid to be filled.
+    fn default() -> Self {
+        Self {
+            radius: 1.0,
+            cells_per_metre: 0.5,
+            mask: 0,
+            starts: vec![0; 2],
+            buckets: Vec::new(),
+            order: Vec::new(),
+            positions: Vec::new(),
+            entries: Vec::new(),
+        }
+    }
+}
+
 impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
     /// Copies of what `entry` makes of each of `items`, for searches within `radius`, metres.
     #[must_use]
     pub fn new<I: Sync>(items: &[I], radius: f32, entry: impl Fn(&I) -> T + Sync) -> Self {
+        let mut grid = Self::default();
+        grid.fill(items, radius, entry);
+        grid
+    }
+
+    /// As [`Self::new`], in place of what the grid held: in memory that it has already.
+    pub fn fill<I: Sync>(&mut self, items: &[I], radius: f32, entry: impl Fn(&I) -> T + Sync) {
         // Surfaces fill a block's cells thinly.
         let n_buckets = (2 * items.len()).next_power_of_two().max(64);
-        let mut grid = Self {
-            radius,
-            cells_per_metre: 0.5 / radius,
-            mask: n_buckets as u32 - 1,
-            starts: vec![0; n_buckets + 1],
-            positions: Vec::new(),
-            entries: Vec::new(),
-        };
-        let buckets: Vec<u32> = items
+        self.radius = radius;
+        self.cells_per_metre = 0.5 / radius;
+        self.mask = n_buckets as u32 - 1;
+        let mut buckets = take(&mut self.buckets);
+        items
             .par_iter()
             .with_min_len(4096)
-            .map(|item| grid.bucket(grid.cell(entry(item).position())))
-            .collect();
+            .map(|item| self.bucket(self.cell(entry(item).position())))
+            .collect_into_vec(&mut buckets);
+
+        // Counted two places behind, so that the sum up to a bucket is one behind: there it grows to the bucket's end while
+        // that is filled, which is where the next one starts.
+        let starts = &mut self.starts;
+        starts.resize(n_buckets + 2, 0);
+        starts.par_chunks_mut(1 << 16).for_each(|part| part.fill(0));
         for bucket in &buckets {
-            grid.starts[*bucket as usize + 1] += 1;
+            starts[*bucket as usize + 2] += 1;
         }
         let mut sum = 0;
-        for start in &mut grid.starts {
+        for start in starts.iter_mut() {
             sum += *start;
             *start = sum;
         }
-        // Each bucket's start is moved to its end while it is filled, and all back by one place after it.
-        let mut order = vec![0u32; items.len()];
+        self.order.resize(items.len(), 0);
         for (index, bucket) in buckets.iter().enumerate() {
-            let place = &mut grid.starts[*bucket as usize];
-            order[*place as usize] = index as u32;
+            let place = &mut starts[*bucket as usize + 1];
+            self.order[*place as usize] = index as u32;
             *place += 1;
         }
-        grid.starts.rotate_right(1);
-        grid.starts[0] = 0;
-        grid.entries = order
-            .into_par_iter()
+        self.buckets = buckets;
+
+        self.order
+            .par_iter()
             .with_min_len(4096)
-            .map(|index| entry(&items[index as usize]))
-            .collect();
-        grid.positions = grid
-            .entries
+            .map(|index| entry(&items[*index as usize]))
+            .collect_into_vec(&mut self.entries);
+        self.entries
             .par_chunks(LANES)
             .with_min_len(1024)
             .map(Group::of)
-            .collect();
-        grid
+            .collect_into_vec(&mut self.positions);
     }
 
     /// Memory that it takes, bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         size_of_val(self.starts.as_slice())
+            + size_of_val(self.buckets.as_slice())
+            + size_of_val(self.order.as_slice())
             + size_of_val(self.positions.as_slice())
             + size_of_val(self.entries.as_slice())
     }

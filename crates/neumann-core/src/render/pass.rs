@@ -100,6 +100,36 @@ impl<T> Collected<T> {
     pub fn n_paths(&self) -> usize {
         self.ends.len()
     }
+
+    /// Items of the paths so far; those behind them are of earlier paths.
+    fn n_written(&self) -> usize {
+        self.ends.last().map_or(0, |end| *end as usize)
+    }
+}
+
+impl<T: Copy + Send + Sync> Collected<T> {
+    /// Writes more paths behind those so far.
+    fn write(&mut self, parts: &[Self]) {
+        let first = self.n_written();
+        for part in parts {
+            let offset = self.n_written() as u32;
+            self.ends.extend(part.ends.iter().map(|end| end + offset));
+        }
+        let Some(any) = parts.iter().find_map(|part| part.items.first()) else {
+            return;
+        };
+        let end = self.n_written();
+        self.items.resize(self.items.len().max(end), *any);
+        let mut rest = &mut self.items[first..end];
+        let places: Vec<&mut [T]> = parts
+            .iter()
+            .filter_map(|part| rest.split_off_mut(..part.items.len()))
+            .collect();
+        places
+            .into_par_iter()
+            .zip(parts)
+            .for_each(|(place, part)| place.copy_from_slice(&part.items));
+    }
 }
 
 impl<'a> Pass<'a> {
@@ -339,9 +369,32 @@ impl<'a> Pass<'a> {
         T: Copy + Send + Sync,
         F: Fn(usize, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>, &mut Vec<T>) + Sync,
     {
+        let mut collected = Collected::default();
+        self.trace_light_paths_into(&mut collected, scene, n_paths, numbers, path)?;
+        Ok(collected)
+    }
+
+    /// As [`Self::trace_light_paths`], in place of what earlier paths left: taking so much memory from the system anew in
+    /// every iteration would cost more than to fill it.
+    ///
+    /// # Errors
+    ///
+    /// [`Cancelled`]; what was collected is of no use then.
+    pub fn trace_light_paths_into<'s, T, F>(
+        &mut self,
+        collected: &mut Collected<T>,
+        scene: &'s Scene,
+        n_paths: usize,
+        numbers: LightNumbers,
+        path: F,
+    ) -> Result<(), Cancelled>
+    where
+        T: Copy + Send + Sync,
+        F: Fn(usize, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>, &mut Vec<T>) + Sync,
+    {
         let cancel = self.cancel;
         let shape = self.sink_shape();
-        let mut collected = Collected::default();
+        collected.ends.clear();
         for round in self.rounds(n_paths.div_ceil(CHUNK)) {
             let (yields, parts): (Vec<Yield>, Vec<Collected<T>>) = round
                 .into_par_iter()
@@ -363,18 +416,10 @@ impl<'a> Pass<'a> {
                 })
                 .unzip();
             self.take(&yields)?;
-            collected
-                .items
-                .reserve(parts.iter().map(|part| part.items.len()).sum());
-            for part in parts {
-                let offset = collected.items.len() as u32;
-                collected.items.extend_from_slice(&part.items);
-                collected
-                    .ends
-                    .extend(part.ends.iter().map(|end| end + offset));
-            }
+            collected.write(&parts);
         }
-        Ok(collected)
+        collected.items.truncate(collected.n_written());
+        Ok(())
     }
 
     fn sink_shape(&self) -> SinkShape {

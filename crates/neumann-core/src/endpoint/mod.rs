@@ -32,6 +32,15 @@ pub struct SurfacePoint {
     pub ng: Vec3,
 }
 
+impl SurfacePoint {
+    /// The point, moved off the surface to the side of `towards`.
+    #[inline(always)]
+    #[must_use]
+    pub fn off_surface(&self, towards: Vec3) -> Vec3 {
+        offset_point(self.position, self.error, self.ng, towards)
+    }
+}
+
 /// Densities with which an endpoint would have started a given ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StartDensities {

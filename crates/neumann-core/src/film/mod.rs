@@ -17,7 +17,7 @@ pub use contribution::{Contribution, Joint, Strategy};
 pub use features::Features;
 pub use film_of_frames::{Film, FilmError};
 pub use frame::{Frame, PhotonReport};
-pub(crate) use frame::{LitLayers, Slot, TILE_PIXELS, TileBounds, TileGrid, add_to_tile};
+pub(crate) use frame::{LitLayers, Slot, TILE, TILE_PIXELS, TileBounds, TileGrid, add_to_tile};
 pub use techniques::{TechniqueFilm, TechniqueImage};
 pub use view::View;
 

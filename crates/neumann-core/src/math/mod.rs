@@ -1,6 +1,7 @@
 //! Vectors come from glam; here is what glam does not have.
 
 pub mod frame;
+pub(crate) mod lanes;
 mod prefetch;
 pub mod ray;
 

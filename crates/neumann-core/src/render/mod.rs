@@ -7,6 +7,7 @@
 mod cancel;
 mod coverage;
 mod pass;
+mod pixels;
 mod pool;
 mod render_loop;
 mod renderer;
@@ -15,10 +16,11 @@ mod settings;
 mod sink;
 
 pub use cancel::{CancelToken, Cancelled};
-pub use pass::{Collected, LightNumbers, Pass, PixelSample};
+pub use pass::{Collected, LightNumbers, Pass};
+pub use pixels::{PixelPath, PixelSample, Pixels};
 pub use pool::WorkerPool;
 pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule, Thumbnail};
 pub use renderer::Renderer;
 pub use sample_counts::SampleCounts;
 pub use settings::RenderSettings;
-pub use sink::Sink;
+pub use sink::{PixelPlace, Sink};

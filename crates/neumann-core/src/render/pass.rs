@@ -11,13 +11,14 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use super::coverage::Coverage;
-use super::sink::{Sink, SinkShape, Yield, add_splats};
+use super::pixels::{PixelSample, Pixels};
+use super::sink::{PixelPlace, Sink, SinkShape, Yield, add_splats};
 use super::{CancelToken, Cancelled, RenderSettings, SampleCounts};
 use crate::endpoint::Camera;
 use crate::film::techniques::TechniqueFilm;
 use crate::film::{Contribution, Frame, LitLayers, PhotonReport, Strategy, TileBounds};
 use crate::radiometry::Rgb;
-use crate::sampling::Sampler;
+use crate::sampling::{Sampler, TileNumbers};
 use crate::scene::Scene;
 use crate::transport::Tracer;
 
@@ -40,15 +41,6 @@ pub struct Pass<'a> {
     cancel: &'a CancelToken,
     techniques: Option<&'a mut TechniqueFilm>,
     samples: SampleCounts,
-}
-
-/// One path's place on the film.
-#[derive(Clone, Copy, Debug)]
-pub struct PixelSample {
-    /// Its position on the raster, drawn uniformly from the pixel.
-    pub raster: Vec2,
-    /// `y * width + x` of the pixel.
-    pub index: usize,
 }
 
 /// The random numbers of light paths: one low-discrepancy sequence runs through all of an iteration's
@@ -256,7 +248,11 @@ impl<'a> Pass<'a> {
         self.trace_tiles(
             scene,
             || (),
-            |(), sample, tracer, sampler, sink| path(sample.raster, tracer, sampler, sink),
+            |(), pixels, tracer, sink| {
+                pixels.one_by_one(sink, |sample, sampler, sink| {
+                    path(sample.raster, tracer, sampler, sink);
+                });
+            },
             scene.lights().uniform_environment(),
         )
     }
@@ -275,20 +271,47 @@ impl<'a> Pass<'a> {
         M: Fn() -> R + Sync + Send,
         F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>) + Sync,
     {
-        self.trace_tiles(scene, room, path, None)
+        self.trace_tiles(
+            scene,
+            room,
+            |room, pixels, tracer, sink| {
+                pixels.one_by_one(sink, |sample, sampler, sink| {
+                    path(room, sample, tracer, sampler, sink);
+                });
+            },
+            None,
+        )
     }
 
-    /// Runs `path` for each pixel; where nothing stands before `background`, that is all there is.
+    /// Runs `paths` for each tile, to trace the paths of all of its pixels, in whatever order it likes. It
+    /// takes them from the pixels that it is handed, and tells the sink which pixel a contribution belongs to
+    /// ([`Sink::start_pixel`]). For the rest as [`Self::trace_pixels`].
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the token was; the frame is then worth nothing.
+    pub fn trace_pixels_together<F>(&mut self, scene: &Scene, paths: F) -> Result<(), Cancelled>
+    where
+        F: for<'t> Fn(Pixels<'t>, &mut Tracer<'_>, &mut Sink<'_>) + Sync,
+    {
+        self.trace_tiles(
+            scene,
+            || (),
+            |(), pixels, tracer, sink| paths(pixels, tracer, sink),
+            scene.lights().uniform_environment(),
+        )
+    }
+
+    /// Runs `paths` for each tile; where nothing stands before `background`, that is all there is.
     fn trace_tiles<'s, R, M, F>(
         &mut self,
         scene: &'s Scene,
         room: M,
-        path: F,
+        paths: F,
         background: Option<Rgb>,
     ) -> Result<(), Cancelled>
     where
         M: Fn() -> R + Sync + Send,
-        F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>) + Sync,
+        F: for<'t> Fn(&mut R, Pixels<'t>, &mut Tracer<'s>, &mut Sink<'_>) + Sync,
     {
         let width = self.frame.width();
         let (grid, per_tile) = (self.frame.grid(), self.frame.values_per_tile());
@@ -319,26 +342,13 @@ impl<'a> Pass<'a> {
                         fill(bounds, radiance, &mut sink);
                         return sink.into_yield(0);
                     }
-                    let TileBounds { start, end } = bounds;
                     let n_samples = samples.of_tile(number);
                     sink.share_among(n_samples);
-                    for sample in 0..n_samples {
-                        let numbers = samples.numbers((number, bounds), keys, sample);
-                        for y in start[1]..end[1] {
-                            if cancel.is_cancelled() {
-                                return Yield::default();
-                            }
-                            for x in start[0]..end[0] {
-                                sink.start_pixel(x, y);
-                                let index = y * width + x;
-                                let mut sampler = numbers.of_pixel(x, y, index);
-                                let u = sampler.next_2d();
-                                let raster = Vec2::new(x as f32 + u[0], y as f32 + u[1]);
-                                let sample = PixelSample { raster, index };
-                                path(room, sample, &mut tracer, &mut sampler, &mut sink);
-                            }
-                        }
-                    }
+                    let numbers: Vec<TileNumbers> = (0..n_samples)
+                        .map(|sample| samples.numbers((number, bounds), keys, sample))
+                        .collect();
+                    let pixels = Pixels::new(&numbers, bounds, width, cancel);
+                    paths(room, pixels, &mut tracer, &mut sink);
                     sink.into_yield(tracer.n_rays())
                 })
                 .collect();
@@ -462,7 +472,7 @@ fn fill(TileBounds { start, end }: TileBounds, radiance: Rgb, sink: &mut Sink<'_
     }
     for y in start[1]..end[1] {
         for x in start[0]..end[0] {
-            sink.start_pixel(x, y);
+            sink.start_pixel(PixelPlace::new(x, y));
             sink.add(Contribution {
                 value: radiance,
                 mis_weight: 1.0,

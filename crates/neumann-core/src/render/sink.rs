@@ -7,7 +7,7 @@ use glam::Vec2;
 use rayon::prelude::*;
 
 use crate::film::techniques::{Record, RecordShape};
-use crate::film::{Contribution, Frame, LitLayers, Slot, TILE_PIXELS, TileGrid, add_to_tile};
+use crate::film::{Contribution, Frame, LitLayers, Slot, TILE, TILE_PIXELS, TileGrid, add_to_tile};
 use crate::radiometry::Rgb;
 
 /// Bands that splats are sorted into, at most.
@@ -23,10 +23,18 @@ pub struct Sink<'a> {
     share: f32,
     splats: Vec<Splat>,
     n_refused: u64,
-    /// The pixel of the film that the path belongs to, and its place in the tile.
-    pixel: (u32, u32),
-    pixel_in_tile: usize,
+    /// The pixel of the film that the path belongs to.
+    pixel: PixelPlace,
     records: Vec<Record>,
+}
+
+/// Where the contributions of a path to its own pixel go.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PixelPlace {
+    x: u32,
+    y: u32,
+    /// Its number in the tile.
+    in_tile: u32,
 }
 
 /// What the sinks of an iteration have in common.
@@ -63,6 +71,17 @@ pub(super) struct Yield {
     pub(super) n_rays: u64,
 }
 
+impl PixelPlace {
+    #[inline]
+    pub(super) fn new(x: usize, y: usize) -> Self {
+        Self {
+            x: x as u32,
+            y: y as u32,
+            in_tile: (y % TILE * TILE + x % TILE) as u32,
+        }
+    }
+}
+
 impl SinkShape {
     pub(super) fn new(frame: &Frame, recording: Option<RecordShape>) -> Self {
         Self {
@@ -84,8 +103,7 @@ impl<'a> Sink<'a> {
             share: 1.0,
             splats: Vec::new(),
             n_refused: 0,
-            pixel: (0, 0),
-            pixel_in_tile: 0,
+            pixel: PixelPlace::default(),
             records: Vec::new(),
         }
     }
@@ -95,11 +113,10 @@ impl<'a> Sink<'a> {
         self.share = 1.0 / f32::from(n_paths);
     }
 
-    /// Goes on to a pixel.
+    /// Goes on to the path of a pixel.
     #[inline]
-    pub(super) fn start_pixel(&mut self, x: usize, y: usize) {
-        self.pixel = (x as u32, y as u32);
-        self.pixel_in_tile = self.shape.grid.slot(0, x, y).in_tile as usize;
+    pub fn start_pixel(&mut self, place: PixelPlace) {
+        self.pixel = place;
     }
 
     pub(super) fn into_yield(self, n_rays: u64) -> Yield {
@@ -131,10 +148,10 @@ impl<'a> Sink<'a> {
             self.n_refused += 1;
             return;
         }
-        self.record(self.pixel, &contribution);
+        self.record((self.pixel.x, self.pixel.y), &contribution);
         let layer = (contribution.bounce as usize).min(self.shape.n_layers);
         if !value.is_black() {
-            let in_tile = layer * TILE_PIXELS + self.pixel_in_tile;
+            let in_tile = layer * TILE_PIXELS + self.pixel.in_tile as usize;
             add_to_tile(self.tile, self.lit, in_tile, value);
         }
     }

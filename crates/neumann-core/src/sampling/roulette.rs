@@ -25,12 +25,22 @@ pub fn play(n_before: u32, throughput: Rgb, sampler: &mut Sampler<'_>) -> Option
     (sampler.next_1d() < survival).then(|| 1.0 / survival)
 }
 
+/// The probability with which [`play`] lets a path go on.
+#[inline(always)]
+pub(crate) fn survival_after(n_before: u32, throughput: Rgb) -> f32 {
+    if n_before < N_FREE {
+        1.0
+    } else {
+        survival(throughput)
+    }
+}
+
 /// Probability to go on for a path of the given throughput, relative to `1` at its start.
 ///
 /// Its root: where what a path finds varies as much as its mean, a probability proportional to the root of the
 /// second moment over the cost is the most efficient (Bolin and Meyer 1997; Rath et al. 2022, "EARS"); bounces
 /// that are looked at one by one keep more of their paths than the throughput itself would leave them.
-#[inline]
+#[inline(always)]
 fn survival(throughput: Rgb) -> f32 {
     throughput.max_channel().max(0.0).sqrt().clamp(0.05, 1.0)
 }

@@ -5,7 +5,7 @@
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI};
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3};
 
 /// Uniform on the unit disk, area preserving and continuous (Shirley and Chiu 1997); density 1/π.
 #[inline]
@@ -19,22 +19,24 @@ pub fn disk(u: [f32; 2]) -> Vec2 {
 fn disk_and_radius(u: [f32; 2]) -> (Vec2, f32) {
     let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
     // The angle from the nearer axis is at most an eighth of a turn. Which axis that is no processor can
-    // predict, so it is chosen in vectors, where there are no branches.
-    let is_near_x = Vec4::splat(a.abs()).cmpgt(Vec4::splat(b.abs()));
-    let select = |a: f32, b: f32| {
-        let [straight, turned] = [Vec4::new(a, b, 0.0, 0.0), Vec4::new(b, a, 0.0, 0.0)];
-        Vec4::select(is_near_x, straight, turned)
-    };
-    let nearer = select(a, b);
-    let (r, across) = (nearer.x, nearer.y);
+    // predict, so it is chosen without a branch.
+    let is_near_x = a.abs() > b.abs();
+    let (r, across) = (select(is_near_x, a, b), select(is_near_x, b, a));
     let (sin, cos) = sin_cos_of_octant(FRAC_PI_4 * (across / if r == 0.0 { 1.0 } else { r }));
-    let turned = select(cos, sin);
-    (r * Vec2::new(turned.x, turned.y), r)
+    let (x, y) = (select(is_near_x, cos, sin), select(is_near_x, sin, cos));
+    (r * Vec2::new(x, y), r)
+}
+
+/// `a` or `b`, without a branch.
+#[inline(always)]
+fn select(is_first: bool, a: f32, b: f32) -> f32 {
+    let mask = u32::from(is_first).wrapping_neg();
+    f32::from_bits(a.to_bits() & mask | b.to_bits() & !mask)
 }
 
 /// Sine and cosine of an angle in [-π/4, π/4] to single precision, by Chebyshev-economised Taylor
 /// polynomials (Cody and Waite 1980, ch. 8).
-#[inline]
+#[inline(always)]
 fn sin_cos_of_octant(x: f32) -> (f32, f32) {
     let z = x * x;
     let sin = ((-1.951_529_6e-4 * z + 8.332_161e-3) * z - 0.166_666_55) * z * x + x;
@@ -59,7 +61,7 @@ pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3 {
 pub const UNIFORM_HEMISPHERE_PDF_W: f32 = 0.5 * FRAC_1_PI;
 
 /// Proportional to cos θ on the hemisphere z ≥ 0 (GI Compendium 35, by Malley's method).
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
     let (p, r) = disk_and_radius(u);

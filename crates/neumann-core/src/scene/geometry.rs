@@ -50,6 +50,18 @@ impl Facet {
         }
     }
 
+    /// A facet of which only place and shape matter.
+    #[inline(always)]
+    pub(crate) fn new_at(corner: Vec3, edges: [Vec3; 2], ng: Vec3) -> Self {
+        Self {
+            corner,
+            edges,
+            ng,
+            mesh: 0,
+            vertices: [0; 3],
+        }
+    }
+
     /// Its corners, as vertices of the mesh.
     #[inline]
     #[must_use]

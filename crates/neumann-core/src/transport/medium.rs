@@ -27,6 +27,13 @@ impl Medium {
         }
     }
 
+    /// True where nothing is absorbed.
+    #[inline]
+    #[must_use]
+    pub fn is_vacuum(self) -> bool {
+        self.absorption.is_none()
+    }
+
     /// Share of light that is left after `distance` metres (Beer and Lambert).
     #[inline]
     #[must_use]

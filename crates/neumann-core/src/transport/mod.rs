@@ -1,5 +1,6 @@
 //! Steps of paths: meeting a surface, asking who sees whom, one integral of reflection.
 
+pub(crate) mod diffuse;
 mod medium;
 pub mod reflection;
 mod tracer;
@@ -7,4 +8,5 @@ mod vertex;
 
 pub use medium::Medium;
 pub use tracer::Tracer;
+pub(crate) use tracer::segment;
 pub use vertex::{Densities, Scattering, SurfaceVertex, VertexSample};

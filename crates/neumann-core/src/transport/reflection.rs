@@ -77,14 +77,7 @@ pub fn aim_unshadowed(
     u: &LightSample,
 ) -> Option<(Aimed, Aim)> {
     let aim = tracer.scene.lights().aim(&vertex.receiver(), choice, u)?;
-    let (f_cos, pdf_w) = vertex.f_cos_and_pdf_w(aim.wi, TransportMode::Radiance)?;
-    let pdf_w_bsdf = if aim.is_delta { 0.0 } else { pdf_w };
-    let aimed = Aimed {
-        value: f_cos * aim.value / aim.pdf_w,
-        pdf_w_light: aim.pdf_w,
-        pdf_w_bsdf,
-    };
-    Some((aimed, aim))
+    Some((Aimed::at(vertex, &aim)?, aim))
 }
 
 /// A direction drawn from the BSDF of a vertex from which a light could have been aimed at as well.
@@ -156,6 +149,18 @@ fn pdf_w_of_emitter(tracer: &Tracer<'_>, drawn: &Drawn, emitter: &SurfaceVertex<
 }
 
 impl Aimed {
+    /// What a vertex scatters of the light that it aims at; `None` if nothing.
+    #[inline(always)]
+    #[must_use]
+    pub fn at(vertex: &SurfaceVertex<'_>, aim: &Aim) -> Option<Self> {
+        let (f_cos, pdf_w) = vertex.f_cos_and_pdf_w(aim.wi, TransportMode::Radiance)?;
+        Some(Self {
+            value: f_cos * aim.value / aim.pdf_w,
+            pdf_w_light: aim.pdf_w,
+            pdf_w_bsdf: if aim.is_delta { 0.0 } else { pdf_w },
+        })
+    }
+
     /// MIS weight against the BSDF sample of the same vertex.
     #[inline]
     #[must_use]

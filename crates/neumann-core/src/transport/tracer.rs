@@ -84,12 +84,9 @@ impl<'a> Tracer<'a> {
     /// in the way.
     #[inline]
     pub fn visibility(&mut self, from: &SurfacePoint, aim: &Aim) -> f32 {
-        let origin = offset_point(from.position, from.error, from.ng, aim.wi);
+        let origin = from.off_surface(aim.wi);
         let ray = match &aim.surface {
-            Some(point) => {
-                let target = offset_point(point.position, point.error, point.ng, -aim.wi);
-                segment(origin, target)
-            }
+            Some(point) => segment(origin, point.off_surface(-aim.wi)),
             None if aim.distance.is_finite() => {
                 segment(origin, from.position + aim.wi * aim.distance)
             }
@@ -103,8 +100,7 @@ impl<'a> Tracer<'a> {
     #[inline]
     pub fn visibility_between(&mut self, from: &SurfacePoint, to: &SurfacePoint) -> f32 {
         let towards = to.position - from.position;
-        let origin = offset_point(from.position, from.error, from.ng, towards);
-        let target = offset_point(to.position, to.error, to.ng, -towards);
+        let (origin, target) = (from.off_surface(towards), to.off_surface(-towards));
         segment(origin, target).map_or(1.0, |ray| self.transmittance(&ray))
     }
 
@@ -292,8 +288,8 @@ fn distance_along(ray: &Ray, from: Vec3, to: Vec3) -> f32 {
 
 /// The ray from one point to another, if they are apart. It measures in their distance, so that it waits for no root and no
 /// division.
-#[inline]
-fn segment(origin: Vec3, target: Vec3) -> Option<Ray> {
+#[inline(always)]
+pub(crate) fn segment(origin: Vec3, target: Vec3) -> Option<Ray> {
     let apart = target - origin;
     (apart.length_squared() > 0.0).then(|| Ray::with_end(origin, apart, 1.0))
 }
@@ -316,7 +312,13 @@ fn attributes(mesh: &PlacedMesh, vertices: [usize; 3], b: [f32; 2]) -> Attribute
 /// The interpolated normal, on the side of `ng`; `ng` itself where there is none.
 #[inline]
 fn smooth_normal(mesh: &PlacedMesh, vertices: [usize; 3], b: [f32; 2], ng: Vec3) -> Vec3 {
-    let n = mesh.normal(vertices, b).unwrap_or(ng).normalize_or(ng);
+    on_side(mesh.normal(vertices, b).unwrap_or(ng), ng)
+}
+
+/// A normal of length one, on the side of `ng`.
+#[inline(always)]
+pub(super) fn on_side(normal: Vec3, ng: Vec3) -> Vec3 {
+    let n = normal.normalize_or(ng);
     if n.dot(ng) < 0.0 { -n } else { n }
 }
 

@@ -11,7 +11,6 @@ use glam::Vec3;
 use crate::bsdf::{Bsdf, BsdfSample, Scatter, TransportMode};
 use crate::endpoint::{Receiver, SurfacePoint};
 use crate::material::Material;
-use crate::math::ray::offset_point;
 use crate::math::{Frame, Ray};
 use crate::radiometry::Rgb;
 
@@ -225,10 +224,7 @@ impl SurfaceVertex<'_> {
     #[inline]
     #[must_use]
     pub fn ray(&self, wi: Vec3) -> Ray {
-        Ray::new(
-            offset_point(self.point.position, self.point.error, self.point.ng, wi),
-            wi,
-        )
+        Ray::new(self.point.off_surface(wi), wi)
     }
 
     /// Cosine of a direction with the geometric normal, not negative.

@@ -23,12 +23,19 @@ use crate::sampling::warp;
 pub struct AreaLight {
     /// Index of the triangle in the scene.
     pub triangle: u32,
-    corners: [Vec3; 3],
-    ng: Vec3,
-    area: f32,
-    error: f32,
+    panel: Panel,
     emission: Emission,
-    is_double_sided: bool,
+}
+
+/// The triangle of an area light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Panel {
+    pub(super) corners: [Vec3; 3],
+    pub(super) ng: Vec3,
+    pub(super) area: f32,
+    /// Bound of the rounding error of points on it, metres.
+    pub(super) error: f32,
+    pub(super) is_double_sided: bool,
 }
 
 /// Radiance over the triangle.
@@ -125,37 +132,39 @@ impl AreaLight {
         let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         Self {
             triangle,
-            corners,
-            ng: cross.normalize_or_zero(),
-            area: 0.5 * cross.length(),
-            error,
+            panel: Panel {
+                corners,
+                ng: cross.normalize_or_zero(),
+                area: 0.5 * cross.length(),
+                error,
+                is_double_sided,
+            },
             emission,
-            is_double_sided,
         }
     }
 
     /// Area, m².
     #[must_use]
     pub fn area(&self) -> f32 {
-        self.area
+        self.panel.area
     }
 
     pub(super) fn power(&self) -> Rgb {
-        let sides = if self.is_double_sided { 2.0 } else { 1.0 };
-        self.mean_radiance() * (PI * self.area * sides)
+        let sides = if self.panel.is_double_sided { 2.0 } else { 1.0 };
+        self.mean_radiance() * (PI * self.panel.area * sides)
     }
 
     pub(super) fn bounds(&self) -> LightBounds {
-        let [a, b, c] = self.corners;
-        let axis = self.ng.normalize_or(Vec3::Z);
-        let intensity = self.mean_radiance().mean() * self.area;
+        let [a, b, c] = self.panel.corners;
+        let axis = self.panel.ng.normalize_or(Vec3::Z);
+        let intensity = self.mean_radiance().mean() * self.panel.area;
         LightBounds {
             min: a.min(b).min(c),
             max: a.max(b).max(c),
             axis,
             theta_o: 0.0,
             theta_e: FRAC_PI_2,
-            is_two_sided: self.is_double_sided,
+            is_two_sided: self.panel.is_double_sided,
             intensity,
             vector: axis * intensity,
         }
@@ -172,7 +181,7 @@ impl AreaLight {
     #[inline]
     #[must_use]
     pub fn radiance(&self, barycentrics: [f32; 2], wo: Vec3) -> Rgb {
-        if !self.is_double_sided && self.ng.dot(wo) <= 0.0 {
+        if !self.panel.shines(wo) {
             return Rgb::BLACK;
         }
         match &self.emission {
@@ -186,9 +195,9 @@ impl AreaLight {
     #[must_use]
     pub fn pdf_a(&self, barycentrics: [f32; 2]) -> f32 {
         match &self.emission {
-            Emission::Uniform(_) => 1.0 / self.area,
+            Emission::Uniform(_) => 1.0 / self.panel.area,
             Emission::Textured(t) => {
-                t.cells.pmf(cell_of(barycentrics, t.n)) * (t.n * t.n) as f32 / self.area
+                t.cells.pmf(cell_of(barycentrics, t.n)) * (t.n * t.n) as f32 / self.panel.area
             }
         }
     }
@@ -197,6 +206,89 @@ impl AreaLight {
     #[inline]
     #[must_use]
     pub fn pdf_w_start(&self, direction: Vec3) -> f32 {
+        self.panel.pdf_w_start(direction)
+    }
+
+    /// The triangle and its radiance, where that is the same all over.
+    #[inline]
+    pub(crate) fn as_uniform(&self) -> Option<(Panel, Rgb)> {
+        match &self.emission {
+            Emission::Uniform(radiance) => Some((self.panel, *radiance)),
+            Emission::Textured(_) => None,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn aim(&self, x: Vec3, u: &LightSample) -> Option<Aim> {
+        match &self.emission {
+            Emission::Uniform(radiance) => self.panel.aim(x, u.point, *radiance),
+            Emission::Textured(t) => {
+                let (barycentrics, pdf_a) = self.sample_position(u);
+                self.panel
+                    .aim_at(x, barycentrics, pdf_a, || t.radiance(barycentrics))
+            }
+        }
+    }
+
+    pub(super) fn start(&self, u: &LightSample) -> Option<Start> {
+        let (barycentrics, pdf_a) = self.sample_position(u);
+        let mut u_direction = u.direction;
+        let mut side = 1.0;
+        if self.panel.is_double_sided {
+            u_direction[0] *= 2.0;
+            if u_direction[0] >= 1.0 {
+                u_direction[0] -= 1.0;
+                side = -1.0;
+            }
+        }
+        let local = warp::cosine_hemisphere(u_direction);
+        let direction = Frame::from_z(self.panel.ng * side).world_from_local(local);
+        let value = self.radiance(barycentrics, direction);
+        let pdf_w = self.pdf_w_start(direction);
+        (!value.is_black() && pdf_w > 0.0).then(|| Start {
+            position: self.panel.at(barycentrics),
+            error: self.panel.error,
+            ng: self.panel.ng,
+            direction,
+            value,
+            cos: self.panel.ng.dot(direction).abs(),
+            densities: StartDensities { pdf_a, pdf_w },
+            spread: Spread::Point { pdf_w },
+            light: 0,
+            on_triangle: Some((self.triangle, barycentrics)),
+            is_delta_position: false,
+            is_delta_direction: false,
+        })
+    }
+
+    #[inline]
+    fn sample_position(&self, u: &LightSample) -> ([f32; 2], f32) {
+        match &self.emission {
+            Emission::Uniform(_) => (warp::triangle(u.point), 1.0 / self.panel.area),
+            Emission::Textured(t) => {
+                let (cell, pmf) = t.cells.sample(u.choice[1]);
+                let corners = cell_corners(cell, t.n).unwrap_or([[0.0; 2]; 3]);
+                let barycentrics = inside(corners, warp::triangle(u.point));
+                (barycentrics, pmf * (t.n * t.n) as f32 / self.panel.area)
+            }
+        }
+    }
+}
+
+impl Panel {
+    #[inline(always)]
+    fn at(&self, b: [f32; 2]) -> Vec3 {
+        self.corners[0] * (1.0 - b[0] - b[1]) + self.corners[1] * b[0] + self.corners[2] * b[1]
+    }
+
+    /// True if it shines towards `wo`.
+    #[inline(always)]
+    fn shines(&self, wo: Vec3) -> bool {
+        self.is_double_sided || self.ng.dot(wo) > 0.0
+    }
+
+    #[inline(always)]
+    fn pdf_w_start(&self, direction: Vec3) -> f32 {
         let cos = self.ng.dot(direction);
         if self.is_double_sided {
             0.5 * warp::cosine_hemisphere_pdf_w(cos.abs())
@@ -205,9 +297,21 @@ impl AreaLight {
         }
     }
 
+    /// Aims at the point that `u` in [0, 1)² chooses, the triangle being of one radiance.
     #[inline(always)]
-    pub(super) fn aim(&self, x: Vec3, u: &LightSample) -> Option<Aim> {
-        let (barycentrics, pdf_a) = self.sample_position(u);
+    pub(crate) fn aim(&self, x: Vec3, u: [f32; 2], radiance: Rgb) -> Option<Aim> {
+        self.aim_at(x, warp::triangle(u), 1.0 / self.area, || radiance)
+    }
+
+    /// Aims at a point of it from x; what it emits there is asked for only if it shines that way.
+    #[inline(always)]
+    fn aim_at(
+        &self,
+        x: Vec3,
+        barycentrics: [f32; 2],
+        pdf_a: f32,
+        radiance: impl FnOnce() -> Rgb,
+    ) -> Option<Aim> {
         let position = self.at(barycentrics);
         let to_light = position - x;
         let distance_squared = to_light.length_squared();
@@ -215,10 +319,10 @@ impl AreaLight {
         // The root and the division do not wait for each other.
         let wi = to_light * (distance * (1.0 / distance_squared));
         let cos = self.ng.dot(wi).abs();
-        if cos < 1e-6 || !distance_squared.is_normal() {
+        if cos < 1e-6 || !distance_squared.is_normal() || !self.shines(-wi) {
             return None;
         }
-        let value = self.radiance(barycentrics, -wi);
+        let value = radiance();
         if value.is_black() {
             return None;
         }
@@ -242,55 +346,6 @@ impl AreaLight {
             spread: Spread::Point { pdf_w: pdf_w_start },
             start_over_aim: 1.0,
         })
-    }
-
-    pub(super) fn start(&self, u: &LightSample) -> Option<Start> {
-        let (barycentrics, pdf_a) = self.sample_position(u);
-        let mut u_direction = u.direction;
-        let mut side = 1.0;
-        if self.is_double_sided {
-            u_direction[0] *= 2.0;
-            if u_direction[0] >= 1.0 {
-                u_direction[0] -= 1.0;
-                side = -1.0;
-            }
-        }
-        let local = warp::cosine_hemisphere(u_direction);
-        let direction = Frame::from_z(self.ng * side).world_from_local(local);
-        let value = self.radiance(barycentrics, direction);
-        let pdf_w = self.pdf_w_start(direction);
-        (!value.is_black() && pdf_w > 0.0).then(|| Start {
-            position: self.at(barycentrics),
-            error: self.error,
-            ng: self.ng,
-            direction,
-            value,
-            cos: self.ng.dot(direction).abs(),
-            densities: StartDensities { pdf_a, pdf_w },
-            spread: Spread::Point { pdf_w },
-            light: 0,
-            on_triangle: Some((self.triangle, barycentrics)),
-            is_delta_position: false,
-            is_delta_direction: false,
-        })
-    }
-
-    #[inline]
-    fn at(&self, b: [f32; 2]) -> Vec3 {
-        self.corners[0] * (1.0 - b[0] - b[1]) + self.corners[1] * b[0] + self.corners[2] * b[1]
-    }
-
-    #[inline]
-    fn sample_position(&self, u: &LightSample) -> ([f32; 2], f32) {
-        match &self.emission {
-            Emission::Uniform(_) => (warp::triangle(u.point), 1.0 / self.area),
-            Emission::Textured(t) => {
-                let (cell, pmf) = t.cells.sample(u.choice[1]);
-                let corners = cell_corners(cell, t.n).unwrap_or([[0.0; 2]; 3]);
-                let barycentrics = inside(corners, warp::triangle(u.point));
-                (barycentrics, pmf * (t.n * t.n) as f32 / self.area)
-            }
-        }
     }
 }
 

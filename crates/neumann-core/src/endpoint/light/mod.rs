@@ -5,12 +5,14 @@ mod bounds;
 mod build;
 mod choice;
 mod environment;
+mod panels;
 mod punctual;
 mod tree;
 
 pub use area::{AreaLight, Emission, TexturedEmission};
 pub use choice::{LightChoice, Receiver};
 pub use environment::EnvironmentLight;
+pub(crate) use panels::PanelLanes;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
 
 use glam::Vec3;

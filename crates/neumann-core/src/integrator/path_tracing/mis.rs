@@ -5,15 +5,18 @@
 //! ([Veach 1997] 9.2.3.2). A sky of one radiance is not aimed at: the BSDF samples it
 //! as it counts. Long paths end by Russian roulette on their throughput.
 
+use crate::accel::Hit;
 use crate::endpoint::LightChoice;
 use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
+use crate::math::Ray;
 use crate::radiometry::Rgb;
-use crate::render::{Cancelled, Pass};
-use crate::sampling::roulette;
+use crate::render::{Cancelled, Pass, Sink};
+use crate::sampling::{Sampler, roulette};
 use crate::scene::Scene;
-use crate::transport::Medium;
 use crate::transport::reflection::{Drawn, aim_at_light, light_sample};
+use crate::transport::{Medium, Tracer};
 
+use super::abreast;
 use super::adaptive::{ADAPTIVE, Adaptive};
 use super::bsdf::{MODE, bsdf_numbers};
 use super::nee::{LIGHTS, light_choice};
@@ -64,77 +67,121 @@ struct Mis {
 
 impl Integrator for Mis {
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        let max_bounces = pass.max_bounces();
         let camera = pass.camera();
-        let (choice, has_roulette) = (self.choice, self.has_roulette);
-        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
-            let mut ray = camera.ray(raster, sampler.next_2d()).ray;
-            let mut throughput = Rgb::WHITE;
-            let mut medium = Medium::VACUUM;
-            // Scattering events so far, those at delta lobes aside.
-            let mut n_events = 0;
-            // Where the ray's direction was drawn; nothing where it could not have been aimed.
-            let mut drawn: Option<Drawn> = None;
-            for bounce in 0..=max_bounces {
-                // What does the ray meet? Nothing: the environment emits.
-                let Some(found) = tracer.hit(&ray) else {
-                    let radiance = scene.lights().environment_radiance(ray.direction());
-                    if !radiance.is_black() {
-                        let weight = drawn.map_or(1.0, |d| {
-                            d.mis_weight_of_environment(tracer, ray.direction())
-                        });
-                        sink.add(hit(bounce, throughput * radiance, weight));
-                    }
-                    return;
-                };
-                let vertex = tracer.surface_vertex(-ray.direction(), &found);
-                throughput *= medium.transmittance(vertex.distance);
-                if bounce == 0 {
-                    add_unlit(tracer, &vertex, sink);
-                }
-
-                // L_e that was run into, against having been aimed at.
-                let emitted = tracer.emitted(&vertex);
-                if !emitted.is_black() {
-                    let weight = drawn.map_or(1.0, |d| d.mis_weight(tracer, &vertex));
-                    sink.add(hit(bounce, throughput * emitted, weight));
-                }
-                if bounce == max_bounces {
-                    return;
-                }
-
-                // Draw a direction from the BSDF.
-                let sample = vertex.sample(bsdf_numbers(sampler, bounce), MODE);
-
-                // The next event, aimed at, against running into it.
-                if vertex.bsdf.has_density() {
-                    let u = light_sample(sampler);
-                    if let Some(aimed) = aim_at_light(tracer, &vertex, medium, choice, &u) {
-                        let value = throughput * aimed.value;
-                        sink.add(connect(bounce + 1, value, aimed.mis_weight()));
-                    }
-                }
-
-                // On to the next vertex.
-                let Some(sample) = sample else {
-                    return;
-                };
-                throughput *= sample.throughput();
-                drawn = Drawn::at(&vertex, choice, &sample);
-
-                // Paths that carry little end by chance.
-                if !sample.is_delta {
-                    if has_roulette {
-                        let Some(factor) = roulette::play(n_events, throughput, sampler) else {
-                            return;
-                        };
-                        throughput *= factor;
-                    }
-                    n_events += 1;
-                }
-                medium = medium.beyond(&vertex, sample.wi);
-                ray = vertex.ray(sample.wi);
-            }
+        let walk = Walk {
+            scene,
+            max_bounces: pass.max_bounces(),
+            choice: self.choice,
+            has_roulette: self.has_roulette,
+        };
+        pass.trace_pixels_together(scene, |pixels, tracer, sink| {
+            abreast::trace(&walk, camera, pixels, tracer, sink);
         })
+    }
+}
+
+/// How paths walk.
+pub(super) struct Walk<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) max_bounces: u32,
+    pub(super) choice: LightChoice,
+    pub(super) has_roulette: bool,
+}
+
+/// A path on its way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Path {
+    pub(super) ray: Ray,
+    pub(super) throughput: Rgb,
+    pub(super) medium: Medium,
+    /// Scattering events so far,
+    pub(super) bounce: u32,
+    /// and those of them that were not at delta lobes.
+    pub(super) n_events: u32,
+    /// Where the ray's direction was drawn; nothing where it could not have been aimed.
+    pub(super) drawn: Option<Drawn>,
+}
+
+impl Path {
+    /// A path that leaves the camera.
+    pub(super) fn new(ray: Ray) -> Self {
+        Self {
+            ray,
+            throughput: Rgb::WHITE,
+            medium: Medium::VACUUM,
+            bounce: 0,
+            n_events: 0,
+            drawn: None,
+        }
+    }
+}
+
+impl Walk<'_> {
+    /// One step of a path, from what its ray has met on to the next ray; `None` where it ends.
+    pub(super) fn step(
+        &self,
+        mut path: Path,
+        found: Option<&Hit>,
+        tracer: &mut Tracer<'_>,
+        sampler: &mut Sampler<'_>,
+        sink: &mut Sink<'_>,
+    ) -> Option<Path> {
+        let (bounce, medium) = (path.bounce, path.medium);
+        // What does the ray meet? Nothing: the environment emits.
+        let Some(found) = found else {
+            let direction = path.ray.direction();
+            let radiance = self.scene.lights().environment_radiance(direction);
+            if !radiance.is_black() {
+                let weight = path
+                    .drawn
+                    .map_or(1.0, |d| d.mis_weight_of_environment(tracer, direction));
+                sink.add(hit(bounce, path.throughput * radiance, weight));
+            }
+            return None;
+        };
+        let vertex = tracer.surface_vertex(-path.ray.direction(), found);
+        path.throughput *= medium.transmittance(vertex.distance);
+        if bounce == 0 {
+            add_unlit(tracer, &vertex, sink);
+        }
+
+        // L_e that was run into, against having been aimed at.
+        let emitted = tracer.emitted(&vertex);
+        if !emitted.is_black() {
+            let weight = path.drawn.map_or(1.0, |d| d.mis_weight(tracer, &vertex));
+            sink.add(hit(bounce, path.throughput * emitted, weight));
+        }
+        if bounce == self.max_bounces {
+            return None;
+        }
+
+        // Draw a direction from the BSDF.
+        let sample = vertex.sample(bsdf_numbers(sampler, bounce), MODE);
+
+        // The next event, aimed at, against running into it.
+        if vertex.bsdf.has_density() {
+            let u = light_sample(sampler);
+            if let Some(aimed) = aim_at_light(tracer, &vertex, medium, self.choice, &u) {
+                let value = path.throughput * aimed.value;
+                sink.add(connect(bounce + 1, value, aimed.mis_weight()));
+            }
+        }
+
+        // On to the next vertex.
+        let sample = sample?;
+        path.throughput *= sample.throughput();
+        path.drawn = Drawn::at(&vertex, self.choice, &sample);
+
+        // Paths that carry little end by chance.
+        if !sample.is_delta {
+            if self.has_roulette {
+                path.throughput *= roulette::play(path.n_events, path.throughput, sampler)?;
+            }
+            path.n_events += 1;
+        }
+        path.medium = medium.beyond(&vertex, sample.wi);
+        path.ray = vertex.ray(sample.wi);
+        path.bounce += 1;
+        Some(path)
     }
 }

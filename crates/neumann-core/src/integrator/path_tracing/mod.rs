@@ -4,6 +4,7 @@
 //! [`nee`] also aims at the lights; [`mis`] weighs both and ends paths by chance. `adaptive` has more
 //! paths where the picture is noisy.
 
+mod abreast;
 mod adaptive;
 pub mod bsdf;
 pub mod mis;

@@ -1,0 +1,108 @@
+//! The pixels of a tile, from which the paths of an iteration start.
+
+use glam::Vec2;
+
+use super::CancelToken;
+use super::sink::{PixelPlace, Sink};
+use crate::film::TileBounds;
+use crate::sampling::{Sampler, TileNumbers};
+
+/// One path's place on the film.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelSample {
+    /// Its position on the raster, drawn uniformly from the pixel.
+    pub raster: Vec2,
+    /// `y * width + x` of the pixel.
+    pub index: usize,
+}
+
+/// A path that starts from a pixel.
+#[derive(Clone, Debug)]
+pub struct PixelPath<'t> {
+    /// Its place on the film.
+    pub sample: PixelSample,
+    /// Its random numbers, the first two of which said where in the pixel it starts.
+    pub sampler: Sampler<'t>,
+    /// Where its contributions go.
+    pub place: PixelPlace,
+}
+
+/// The paths of the pixels of a tile, row by row; all over again where each pixel has several.
+#[derive(Debug)]
+pub struct Pixels<'t> {
+    /// `numbers[sample]`
+    numbers: &'t [TileNumbers],
+    bounds: TileBounds,
+    width: usize,
+    cancel: &'t CancelToken,
+    /// The next one.
+    sample: usize,
+    x: usize,
+    y: usize,
+}
+
+impl<'t> Pixels<'t> {
+    /// All of a tile of an image of `width` pixels.
+    pub(super) fn new(
+        numbers: &'t [TileNumbers],
+        bounds: TileBounds,
+        width: usize,
+        cancel: &'t CancelToken,
+    ) -> Self {
+        let [x, y] = bounds.start;
+        Self {
+            numbers,
+            bounds,
+            width,
+            cancel,
+            sample: 0,
+            x,
+            y,
+        }
+    }
+
+    /// Runs `path` for each, one after the other.
+    #[inline]
+    pub(super) fn one_by_one(
+        self,
+        sink: &mut Sink<'_>,
+        mut path: impl FnMut(PixelSample, &mut Sampler<'_>, &mut Sink<'_>),
+    ) {
+        for mut next in self {
+            sink.start_pixel(next.place);
+            path(next.sample, &mut next.sampler, sink);
+        }
+    }
+}
+
+/// Ends after the last path, or when the iteration is cancelled.
+impl<'t> Iterator for Pixels<'t> {
+    type Item = PixelPath<'t>;
+
+    #[inline]
+    fn next(&mut self) -> Option<PixelPath<'t>> {
+        let numbers = self.numbers.get(self.sample)?;
+        let (x, y) = (self.x, self.y);
+        if x == self.bounds.start[0] && self.cancel.is_cancelled() {
+            return None;
+        }
+        self.x += 1;
+        if self.x == self.bounds.end[0] {
+            self.x = self.bounds.start[0];
+            self.y += 1;
+            if self.y == self.bounds.end[1] {
+                self.y = self.bounds.start[1];
+                self.sample += 1;
+            }
+        }
+        let index = y * self.width + x;
+        let mut sampler = numbers.of_pixel(x, y, index);
+        let u = sampler.next_2d();
+        let raster = Vec2::new(x as f32 + u[0], y as f32 + u[1]);
+        Some(PixelPath {
+            sample: PixelSample { raster, index },
+            sampler,
+            place: PixelPlace::new(x, y),
+        })
+    }
+}

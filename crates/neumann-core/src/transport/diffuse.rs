@@ -1,0 +1,165 @@
+//! Diffuse vertices side by side.
+//!
+//! Most hits of most scenes are on surfaces that scatter alike everywhere and in every direction. What a vertex needs of them
+//! is read lane by lane; all that is computed from it is computed in vectors, with the functions of a single
+//! [`SurfaceVertex`].
+
+use glam::Vec3;
+
+use super::SurfaceVertex;
+use crate::accel::Hit;
+use crate::bsdf::{Bsdf, Lambert};
+use crate::endpoint::SurfacePoint;
+use crate::material::Material;
+use crate::math::Frame;
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, vectorized};
+use crate::radiometry::Rgb;
+use crate::scene::Scene;
+use crate::scene::geometry::Facet;
+
+use super::tracer::on_side;
+
+/// A hit on a diffuse surface, with all that is read of the scene there.
+pub(crate) struct DiffuseHit<'a> {
+    hit: Hit,
+    facet: Facet,
+    /// Interpolated, of any length; `None` where the surface is flat.
+    normal: Option<Vec3>,
+    lambert: Lambert,
+    material: &'a Material,
+}
+
+impl<'a> DiffuseHit<'a> {
+    /// A hit on a surface without emission and volume that is the same diffuse reflector all over; `None` for any other.
+    #[inline(always)]
+    pub(crate) fn of(scene: &'a Scene, hit: &Hit) -> Option<Self> {
+        let facet = scene.geometry().facet(hit.triangle);
+        let mesh = &scene.geometry().meshes()[facet.mesh as usize];
+        let material = &scene.materials()[mesh.material as usize];
+        let Some(Bsdf::Lambert(lambert)) = material.uniform_bsdf() else {
+            return None;
+        };
+        let is_plain = mesh.arrays.colors.is_none()
+            && material.absorption().is_none()
+            && scene.lights().of_triangle(hit.triangle).is_none();
+        is_plain.then(|| Self {
+            normal: mesh.normal(facet.vertices(), hit.barycentrics),
+            hit: *hit,
+            facet,
+            lambert: *lambert,
+            material,
+        })
+    }
+}
+
+/// Diffuse vertices, one in each lane.
+pub(crate) struct DiffuseVertices<'a> {
+    // What is read.
+    wo: Vec3Lanes,
+    corner: Vec3Lanes,
+    edges: [Vec3Lanes; 2],
+    ng: Vec3Lanes,
+    normal: Vec3Lanes,
+    is_smooth: Lanes<u32>,
+    t: Lanes<f32>,
+    triangle: Lanes<u32>,
+    barycentrics: [Lanes<f32>; 2],
+    albedo: Vec3Lanes,
+    materials: [&'a Material; LANES],
+    // What is computed of it.
+    position: Vec3Lanes,
+    error: Lanes<f32>,
+    ns: Vec3Lanes,
+}
+
+impl<'a> DiffuseVertices<'a> {
+    /// Room for vertices of a scene, with nothing in it.
+    pub(crate) fn new(scene: &'a Scene) -> Self {
+        Self {
+            wo: Vec3Lanes::default(),
+            corner: Vec3Lanes::default(),
+            edges: [Vec3Lanes::default(); 2],
+            ng: Vec3Lanes::default(),
+            normal: Vec3Lanes::default(),
+            is_smooth: Lanes::default(),
+            t: Lanes::default(),
+            triangle: Lanes::default(),
+            barycentrics: [Lanes::default(); 2],
+            albedo: Vec3Lanes::default(),
+            // A scene has a material for what has none of its own.
+            materials: [&scene.materials()[0]; LANES],
+            position: Vec3Lanes::default(),
+            error: Lanes::default(),
+            ns: Vec3Lanes::default(),
+        }
+    }
+
+    /// Puts a hit into a lane, seen from the direction `wo`.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, found: &DiffuseHit<'a>, wo: Vec3) {
+        self.wo.set(lane, wo);
+        let DiffuseHit { hit, facet, .. } = found;
+        self.corner.set(lane, facet.corner);
+        self.edges[0].set(lane, facet.edges[0]);
+        self.edges[1].set(lane, facet.edges[1]);
+        self.ng.set(lane, facet.ng);
+        self.normal.set(lane, found.normal.unwrap_or(facet.ng));
+        self.is_smooth
+            .set(lane, u32::from(found.normal.is_some()));
+        self.t.set(lane, hit.t);
+        self.triangle.set(lane, hit.triangle);
+        self.barycentrics[0].set(lane, hit.barycentrics[0]);
+        self.barycentrics[1].set(lane, hit.barycentrics[1]);
+        let Rgb { r, g, b } = found.lambert.albedo;
+        self.albedo.set(lane, Vec3::new(r, g, b));
+        self.materials[lane] = found.material;
+    }
+
+    /// Computes what follows from the hits, for [`Self::vertex`].
+    pub(crate) fn complete(&mut self) {
+        complete(self);
+    }
+
+    /// The vertex in a lane.
+    #[inline(always)]
+    pub(crate) fn vertex(&self, lane: usize) -> SurfaceVertex<'a> {
+        let wo = self.wo.get(lane);
+        let frame = Frame::from_z(self.ns.get(lane));
+        SurfaceVertex {
+            point: SurfacePoint {
+                position: self.position.get(lane),
+                error: self.error.get(lane),
+                ng: self.ng.get(lane),
+            },
+            frame,
+            wo,
+            wo_local: frame.local_from_world(wo),
+            distance: self.t.get(lane),
+            bsdf: Bsdf::Lambert(Lambert {
+                albedo: Rgb::from(self.albedo.get(lane).to_array()),
+            }),
+            material: self.materials[lane],
+            opacity: 1.0,
+            triangle: self.triangle.get(lane),
+            barycentrics: [0, 1].map(|i| self.barycentrics[i].get(lane)),
+        }
+    }
+}
+
+vectorized! {
+    fn complete(v: &mut DiffuseVertices<'_>) {
+        for lane in 0..LANES {
+            let facet = Facet::new_at(
+                v.corner.get(lane),
+                [v.edges[0].get(lane), v.edges[1].get(lane)],
+                v.ng.get(lane),
+            );
+            let b = [v.barycentrics[0].get(lane), v.barycentrics[1].get(lane)];
+            v.position.set(lane, facet.at(b));
+            v.error.set(lane, facet.error());
+            let smooth = on_side(v.normal.get(lane), facet.ng);
+            let is_smooth = v.is_smooth.get(lane) != 0;
+            v.ns.set(lane, if is_smooth { smooth } else { facet.ng });
+        }
+    }
+}

@@ -27,6 +27,8 @@ struct Aligned<const N: usize>([f32; N]);
 macro_rules! compile_for {
     ($features:literal) => {
         use super::Avx2;
+        use crate::accel::Hit;
+        use crate::accel::abreast::RayLanes;
         use crate::accel::bvh::PackedHit;
         use crate::accel::instances::Instances;
         use crate::accel::traverse;
@@ -43,6 +45,20 @@ macro_rules! compile_for {
             unsafe { any_with_features(tree, ray) }
         }
 
+        pub(in crate::accel) fn closest_of_lanes(
+            tree: &WideTree,
+            rays: &RayLanes,
+            hits: &mut [Hit],
+        ) {
+            // SAFETY: as above.
+            unsafe { closest_of_lanes_with_features(tree, rays, hits) }
+        }
+
+        pub(in crate::accel) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> u32 {
+            // SAFETY: as above.
+            unsafe { any_of_lanes_with_features(tree, rays) }
+        }
+
         pub(in crate::accel) fn closest_of_instances(
             instances: &Instances,
             ray: &Ray,
@@ -55,6 +71,16 @@ macro_rules! compile_for {
         pub(in crate::accel) fn any_of_instances(instances: &Instances, ray: &Ray) -> bool {
             // SAFETY: as above.
             unsafe { any_of_instances_with_features(instances, ray) }
+        }
+
+        #[target_feature(enable = $features)]
+        fn closest_of_lanes_with_features(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) {
+            traverse::closest_of_lanes::<Avx2>(tree, rays, hits);
+        }
+
+        #[target_feature(enable = $features)]
+        fn any_of_lanes_with_features(tree: &WideTree, rays: &RayLanes) -> u32 {
+            traverse::any_of_lanes::<Avx2>(tree, rays)
         }
 
         #[target_feature(enable = $features)]

@@ -10,12 +10,14 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 
+use super::abreast::{HitLanes, RayLanes};
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
 use super::instances::{Instances, Placement};
 use super::portable;
 use super::wide::WideTree;
 use crate::math::Ray;
+use crate::math::lanes::{LANES, lanes_of};
 
 /// A tree over triangles, and over instances of meshes.
 pub struct Bvh {
@@ -170,6 +172,41 @@ impl Bvh {
                 #[cfg(target_arch = "x86_64")]
                 Kernel::Avx512 => avx2::avx512::any_of_instances(instances, ray),
             },
+        }
+    }
+
+    /// What the rays meet first, if anything.
+    pub(crate) fn closest_hits(&self, rays: &RayLanes) -> HitLanes {
+        let mut found = [None; LANES];
+        if self.instances.is_some() || self.tree.nodes.is_empty() {
+            for lane in lanes_of(rays.mask()) {
+                found[lane] = self.closest_hit(&rays.get(lane));
+            }
+            return found;
+        }
+        let mut hits = [Hit::none_before(0.0); LANES];
+        match self.kernel {
+            Kernel::Portable => portable::closest_of_lanes(&self.tree, rays, &mut hits),
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx2 => avx2::plain::closest_of_lanes(&self.tree, rays, &mut hits),
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx512 => avx2::avx512::closest_of_lanes(&self.tree, rays, &mut hits),
+        }
+        hits.map(|hit| hit.is_there().then_some(hit))
+    }
+
+    /// One bit for each lane of which anything is in the way of the ray before its end.
+    pub(crate) fn occluded(&self, rays: &RayLanes) -> u32 {
+        if self.instances.is_some() || self.tree.nodes.is_empty() {
+            let bit = |lane: usize| u32::from(self.is_occluded(&rays.get(lane))) << lane;
+            return lanes_of(rays.mask()).fold(0, |mask, lane| mask | bit(lane));
+        }
+        match self.kernel {
+            Kernel::Portable => portable::any_of_lanes(&self.tree, rays),
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx2 => avx2::plain::any_of_lanes(&self.tree, rays),
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx512 => avx2::avx512::any_of_lanes(&self.tree, rays),
         }
     }
 

@@ -1,5 +1,7 @@
 //! Both tests over plain arrays, for any processor: compilers make four-wide code of it.
 
+use super::Hit;
+use super::abreast::RayLanes;
 use super::bvh::PackedHit;
 use super::instances::Instances;
 use super::traverse::{self, BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
@@ -16,6 +18,16 @@ pub(super) fn closest(tree: &WideTree, ray: &Ray) -> PackedHit {
 #[inline(never)]
 pub(super) fn any(tree: &WideTree, ray: &Ray) -> bool {
     traverse::any::<Portable>(tree, ray)
+}
+
+#[inline(never)]
+pub(super) fn closest_of_lanes(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) {
+    traverse::closest_of_lanes::<Portable>(tree, rays, hits);
+}
+
+#[inline(never)]
+pub(super) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> u32 {
+    traverse::any_of_lanes::<Portable>(tree, rays)
 }
 
 #[inline(never)]

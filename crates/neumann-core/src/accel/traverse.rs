@@ -15,9 +15,11 @@ use std::mem::MaybeUninit;
 use glam::Vec4;
 
 use super::Hit;
+use super::abreast::{BoxHitLanes, PreparedLanes, RayLanes};
 use super::instances::Instances;
 use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, STACK_SIZE, WIDTH, WideTree};
 use crate::math::Ray;
+use crate::math::lanes::lanes_of;
 
 /// Room for the rounding of three operations on either side of a box.
 pub(super) const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;
@@ -85,47 +87,61 @@ trait AnyVisitor {
 
 /// Walks the nodes whose boxes the ray meets before `end`, nearest first.
 #[inline(always)]
-fn walk<K: Kernel>(tree: &WideTree, prepared: &Prepared, mut end: f32, visitor: &mut impl Visitor) {
+fn walk<K: Kernel>(tree: &WideTree, prepared: &Prepared, end: f32, visitor: &mut impl Visitor) {
+    let root = K::meet_boxes(&tree.nodes[0], prepared, end);
+    walk_below_root::<K>(tree, prepared, end, root, visitor);
+}
+
+/// The same where it is known already which children of the root are met.
+#[inline(always)]
+fn walk_below_root<K: Kernel>(
+    tree: &WideTree,
+    prepared: &Prepared,
+    mut end: f32,
+    root: BoxHits,
+    visitor: &mut impl Visitor,
+) {
     let (mut stack, mut top) = (Stack::new(), 0);
-    let mut current = 0u32;
+    let mut node = &tree.nodes[0];
+    let BoxHits { mut mask, mut near } = root;
     loop {
-        if current & LEAF == 0 {
-            let node = &tree.nodes[current as usize];
-            let BoxHits { mut mask, near } = K::meet_boxes(node, prepared, end);
-            if mask != 0 {
-                let next = |mask: &mut u32| {
-                    let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
-                    *mask &= *mask - 1;
-                    let child = node.children[lane];
-                    K::prefetch(tree, child);
-                    u64::from(near[lane].to_bits()) << 32 | u64::from(child)
-                };
-                // The nearest child is next; the others wait, the farthest at the bottom.
-                let mut nearest = next(&mut mask);
-                let bottom = top;
-                while mask != 0 {
-                    let other = next(&mut mask);
-                    stack.insert_descending(bottom, top, other.max(nearest));
-                    top += 1;
-                    nearest = other.min(nearest);
-                }
-                current = nearest as u32;
-                continue;
+        let mut current = LEAF;
+        let is_met = mask != 0;
+        if is_met {
+            let next = |mask: &mut u32| {
+                let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
+                *mask &= *mask - 1;
+                let child = node.children[lane];
+                K::prefetch(tree, child);
+                u64::from(near[lane].to_bits()) << 32 | u64::from(child)
+            };
+            // The nearest child is next; the others wait, the farthest at the bottom.
+            let mut nearest = next(&mut mask);
+            let bottom = top;
+            while mask != 0 {
+                let other = next(&mut mask);
+                stack.insert_descending(bottom, top, other.max(nearest));
+                top += 1;
+                nearest = other.min(nearest);
             }
-        } else {
-            end = visitor.visit((current & !LEAF) as usize, end);
+            current = nearest as u32;
         }
-        loop {
+        // Leaves on the way to the next node.
+        let mut is_next = is_met;
+        while !is_next || current & LEAF != 0 {
+            if is_next {
+                end = visitor.visit((current & !LEAF) as usize, end);
+            }
             if top == 0 {
                 return;
             }
             top -= 1;
             let entry = stack.get(top);
-            if f32::from_bits((entry >> 32) as u32) <= end {
-                current = entry as u32;
-                break;
-            }
+            current = entry as u32;
+            is_next = f32::from_bits((entry >> 32) as u32) <= end;
         }
+        node = &tree.nodes[current as usize];
+        BoxHits { mask, near } = K::meet_boxes(node, prepared, end);
     }
 }
 
@@ -137,28 +153,86 @@ fn walk_until<K: Kernel>(
     end: f32,
     visitor: &impl AnyVisitor,
 ) -> bool {
+    let root = K::meet_boxes(&tree.nodes[0], prepared, end).mask;
+    walk_below_root_until::<K>(tree, prepared, end, root, visitor)
+}
+
+/// The same where it is known already which children of the root are met.
+#[inline(always)]
+fn walk_below_root_until<K: Kernel>(
+    tree: &WideTree,
+    prepared: &Prepared,
+    end: f32,
+    root: u32,
+    visitor: &impl AnyVisitor,
+) -> bool {
     let (mut stack, mut top) = (Stack::new(), 0);
-    let mut current = 0u32;
+    let mut node = &tree.nodes[0];
+    let mut mask = root;
     loop {
-        if current & LEAF == 0 {
-            let node = &tree.nodes[current as usize];
-            let mut mask = K::meet_boxes(node, prepared, end).mask;
-            while mask != 0 {
-                let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
-                mask &= mask - 1;
-                K::prefetch(tree, node.children[lane]);
-                stack.set(top, u64::from(node.children[lane]));
-                top += 1;
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
+            mask &= mask - 1;
+            K::prefetch(tree, node.children[lane]);
+            stack.set(top, u64::from(node.children[lane]));
+            top += 1;
+        }
+        // Leaves on the way to the next node.
+        let current = loop {
+            if top == 0 {
+                return false;
             }
-        } else if visitor.stops((current & !LEAF) as usize) {
-            return true;
-        }
-        if top == 0 {
-            return false;
-        }
-        top -= 1;
-        current = stack.get(top) as u32;
+            top -= 1;
+            let current = stack.get(top) as u32;
+            if current & LEAF == 0 {
+                break current;
+            }
+            if visitor.stops((current & !LEAF) as usize) {
+                return true;
+            }
+        };
+        node = &tree.nodes[current as usize];
+        mask = K::meet_boxes(node, prepared, end).mask;
     }
+}
+
+/// The first triangles that rays meet, or what stands for none; lanes without a ray are left alone.
+#[inline(always)]
+pub(super) fn closest_of_lanes<K: Kernel>(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) {
+    let prepared = PreparedLanes::new(rays);
+    let root = BoxHitLanes::new(&tree.nodes[0], rays, &prepared);
+    for lane in lanes_of(rays.mask()) {
+        let (prepared, end) = (prepared.get(lane), rays.end(lane));
+        let mut triangles = Triangles::<K> {
+            tree,
+            prepared: &prepared,
+            best: Hit::none_before(end),
+            kernel: PhantomData,
+        };
+        walk_below_root::<K>(tree, &prepared, end, root.get(lane), &mut triangles);
+        hits[lane] = triangles.best;
+    }
+}
+
+/// One bit for each lane of which the ray meets any triangle before its end.
+#[inline(always)]
+pub(super) fn any_of_lanes<K: Kernel>(tree: &WideTree, rays: &RayLanes) -> u32 {
+    let prepared = PreparedLanes::new(rays);
+    let root = BoxHitLanes::new(&tree.nodes[0], rays, &prepared);
+    let mut stopped = 0;
+    for lane in lanes_of(rays.mask()) {
+        let (prepared, end) = (prepared.get(lane), rays.end(lane));
+        let triangles = Triangles::<K> {
+            tree,
+            prepared: &prepared,
+            best: Hit::none_before(end),
+            kernel: PhantomData,
+        };
+        let is_stopped =
+            walk_below_root_until::<K>(tree, &prepared, end, root.get(lane).mask, &triangles);
+        stopped |= u32::from(is_stopped) << lane;
+    }
+    stopped
 }
 
 /// The first triangle that the ray meets, or what stands for none.
@@ -317,7 +391,7 @@ impl Prepared {
 
 /// The other axes of the sheared frame, by the axis that the ray runs along most and by whether it does so backwards: a
 /// mirrored frame keeps the sense in which corners go around.
-const ACROSS: [[[usize; 2]; 2]; 3] = [[[1, 2], [2, 1]], [[2, 0], [0, 2]], [[0, 1], [1, 0]]];
+pub(super) const ACROSS: [[[usize; 2]; 2]; 3] = [[[1, 2], [2, 1]], [[2, 0], [0, 2]], [[0, 1], [1, 0]]];
 
 /// Where an edge is met as exactly as single precision can tell, double precision decides.
 #[cold]

@@ -54,6 +54,34 @@ impl Vec3Lanes {
     }
 }
 
+/// `a` or `b`, without a branch.
+#[inline(always)]
+pub(crate) fn select(is_first: bool, a: f32, b: f32) -> f32 {
+    let mask = u32::from(is_first).wrapping_neg();
+    f32::from_bits(a.to_bits() & mask | b.to_bits() & !mask)
+}
+
+/// `a` or `b`, without a branch.
+#[inline(always)]
+pub(crate) fn select_vec3(is_first: bool, a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(
+        select(is_first, a.x, b.x),
+        select(is_first, a.y, b.y),
+        select(is_first, a.z, b.z),
+    )
+}
+
+/// The lanes of which the bit is set.
+#[inline(always)]
+pub(crate) fn lanes_of(mask: u32) -> impl Iterator<Item = usize> {
+    let mut rest = mask;
+    std::iter::from_fn(move || {
+        let lane = rest.trailing_zeros() as usize;
+        rest &= rest.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
+}
+
 /// Makes a function of which the body is compiled for vectors of several lengths.
 macro_rules! vectorized {
     ($(#[$attribute:meta])* $visibility:vis fn $name:ident($($argument:ident: $type:ty),* $(,)?) $body:block) => {

@@ -7,6 +7,8 @@ use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI};
 
 use glam::{Vec2, Vec3};
 
+use crate::math::lanes::select;
+
 /// Uniform on the unit disk, area preserving and continuous (Shirley and Chiu 1997); density 1/π.
 #[inline]
 #[must_use]
@@ -25,13 +27,6 @@ fn disk_and_radius(u: [f32; 2]) -> (Vec2, f32) {
     let (sin, cos) = sin_cos_of_octant(FRAC_PI_4 * (across / if r == 0.0 { 1.0 } else { r }));
     let (x, y) = (select(is_near_x, cos, sin), select(is_near_x, sin, cos));
     (r * Vec2::new(x, y), r)
-}
-
-/// `a` or `b`, without a branch.
-#[inline(always)]
-fn select(is_first: bool, a: f32, b: f32) -> f32 {
-    let mask = u32::from(is_first).wrapping_neg();
-    f32::from_bits(a.to_bits() & mask | b.to_bits() & !mask)
 }
 
 /// Sine and cosine of an angle in [-π/4, π/4] to single precision, by Chebyshev-economised Taylor

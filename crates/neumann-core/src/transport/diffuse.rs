@@ -7,9 +7,9 @@
 use glam::Vec3;
 
 use super::SurfaceVertex;
-use crate::accel::Hit;
+use crate::accel::{Hit, RayLanes};
 use crate::bsdf::{Bsdf, Lambert};
-use crate::endpoint::SurfacePoint;
+use crate::endpoint::{Receiver, SurfacePoint};
 use crate::material::Material;
 use crate::math::Frame;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, vectorized};
@@ -55,7 +55,6 @@ impl<'a> DiffuseHit<'a> {
 /// Diffuse vertices, one in each lane.
 pub(crate) struct DiffuseVertices<'a> {
     // What is read.
-    wo: Vec3Lanes,
     corner: Vec3Lanes,
     edges: [Vec3Lanes; 2],
     ng: Vec3Lanes,
@@ -67,16 +66,18 @@ pub(crate) struct DiffuseVertices<'a> {
     albedo: Vec3Lanes,
     materials: [&'a Material; LANES],
     // What is computed of it.
+    wo: Vec3Lanes,
     position: Vec3Lanes,
     error: Lanes<f32>,
     ns: Vec3Lanes,
+    /// `ns` on the side of `wo`.
+    facing: Vec3Lanes,
 }
 
 impl<'a> DiffuseVertices<'a> {
     /// Room for vertices of a scene, with nothing in it.
     pub(crate) fn new(scene: &'a Scene) -> Self {
         Self {
-            wo: Vec3Lanes::default(),
             corner: Vec3Lanes::default(),
             edges: [Vec3Lanes::default(); 2],
             ng: Vec3Lanes::default(),
@@ -88,16 +89,17 @@ impl<'a> DiffuseVertices<'a> {
             albedo: Vec3Lanes::default(),
             // A scene has a material for what has none of its own.
             materials: [&scene.materials()[0]; LANES],
+            wo: Vec3Lanes::default(),
             position: Vec3Lanes::default(),
             error: Lanes::default(),
             ns: Vec3Lanes::default(),
+            facing: Vec3Lanes::default(),
         }
     }
 
-    /// Puts a hit into a lane, seen from the direction `wo`.
+    /// Puts a hit into a lane.
     #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, found: &DiffuseHit<'a>, wo: Vec3) {
-        self.wo.set(lane, wo);
+    pub(crate) fn set(&mut self, lane: usize, found: &DiffuseHit<'a>) {
         let DiffuseHit { hit, facet, .. } = found;
         self.corner.set(lane, facet.corner);
         self.edges[0].set(lane, facet.edges[0]);
@@ -115,9 +117,15 @@ impl<'a> DiffuseVertices<'a> {
         self.materials[lane] = found.material;
     }
 
-    /// Computes what follows from the hits, for [`Self::vertex`].
-    pub(crate) fn complete(&mut self) {
-        complete(self);
+    /// Computes what follows from the hits of rays, for what is below.
+    pub(crate) fn complete(&mut self, rays: &RayLanes) {
+        complete(self, rays);
+    }
+
+    /// [`SurfaceVertex::receiver`] of the vertex in a lane.
+    #[inline(always)]
+    pub(crate) fn receiver(&self, lane: usize) -> Receiver {
+        Receiver::new(self.position.get(lane), self.facing.get(lane), false)
     }
 
     /// The vertex in a lane.
@@ -147,8 +155,9 @@ impl<'a> DiffuseVertices<'a> {
 }
 
 vectorized! {
-    fn complete(v: &mut DiffuseVertices<'_>) {
+    fn complete(v: &mut DiffuseVertices<'_>, rays: &RayLanes) {
         for lane in 0..LANES {
+            v.wo.set(lane, -rays.direction(lane));
             let facet = Facet::new_at(
                 v.corner.get(lane),
                 [v.edges[0].get(lane), v.edges[1].get(lane)],
@@ -160,6 +169,7 @@ vectorized! {
             let smooth = on_side(v.normal.get(lane), facet.ng);
             let is_smooth = v.is_smooth.get(lane) != 0;
             v.ns.set(lane, if is_smooth { smooth } else { facet.ng });
+            v.facing.set(lane, v.vertex(lane).receiver().normal);
         }
     }
 }

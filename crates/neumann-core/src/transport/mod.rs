@@ -8,5 +8,5 @@ mod vertex;
 
 pub use medium::Medium;
 pub use tracer::Tracer;
-pub(crate) use tracer::segment;
+pub(crate) use tracer::are_apart;
 pub use vertex::{Densities, Scattering, SurfaceVertex, VertexSample};

@@ -3,10 +3,11 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::SurfaceVertex;
-use crate::accel::Hit;
+use crate::accel::{Hit, HitLanes, RayLanes};
 use crate::bsdf::Bsdf;
 use crate::endpoint::{Aim, SurfacePoint};
 use crate::material::{Material, SurfaceInputs};
+use crate::math::lanes::{LANES, lanes_of};
 use crate::math::ray::offset_point;
 use crate::math::{Frame, Ray};
 use crate::radiometry::Rgb;
@@ -80,6 +81,35 @@ impl<'a> Tracer<'a> {
         self.first_that_stops(ray, hit)
     }
 
+    /// As [`Self::hit`], of the rays of all lanes.
+    #[inline]
+    pub(crate) fn hits(&mut self, rays: &RayLanes) -> HitLanes {
+        self.n_rays += u64::from(rays.mask().count_ones());
+        let mut found = self.scene.bvh().closest_hits(rays);
+        if self.scene.has_alpha() {
+            for lane in lanes_of(rays.mask()) {
+                found[lane] =
+                    found[lane].and_then(|hit| self.first_that_stops(&rays.get(lane), hit));
+            }
+        }
+        found
+    }
+
+    /// As [`Self::transmittance`], of the rays of all lanes; 1 where there is no ray.
+    #[inline]
+    pub(crate) fn transmittances(&mut self, rays: &RayLanes) -> [f32; LANES] {
+        if self.scene.has_alpha() {
+            let mut shares = [1.0; LANES];
+            for lane in lanes_of(rays.mask()) {
+                shares[lane] = self.transmittance(&rays.get(lane));
+            }
+            return shares;
+        }
+        self.n_rays += u64::from(rays.mask().count_ones());
+        let occluded = self.scene.bvh().occluded(rays);
+        std::array::from_fn(|lane| f32::from(u8::from(occluded >> lane & 1 == 0)))
+    }
+
     /// Share of light that gets along `wi` from a surface to what was aimed at, 0 if something is
     /// in the way.
     #[inline]
@@ -92,7 +122,6 @@ impl<'a> Tracer<'a> {
             }
             None => Some(Ray::new(origin, aim.wi)),
         };
-        // Ends closer to each other than they are well known see each other.
         ray.map_or(1.0, |ray| self.transmittance(&ray))
     }
 
@@ -289,9 +318,16 @@ fn distance_along(ray: &Ray, from: Vec3, to: Vec3) -> f32 {
 /// The ray from one point to another, if they are apart. It measures in their distance, so that it waits for no root and no
 /// division.
 #[inline(always)]
-pub(crate) fn segment(origin: Vec3, target: Vec3) -> Option<Ray> {
+fn segment(origin: Vec3, target: Vec3) -> Option<Ray> {
     let apart = target - origin;
-    (apart.length_squared() > 0.0).then(|| Ray::with_end(origin, apart, 1.0))
+    are_apart(apart).then(|| Ray::with_end(origin, apart, 1.0))
+}
+
+/// True if points so far from each other may have something in between. Ends closer to each other than they are well known see
+/// each other.
+#[inline(always)]
+pub(crate) fn are_apart(apart: Vec3) -> bool {
+    apart.length_squared() > 0.0
 }
 
 #[inline]

@@ -46,6 +46,13 @@ impl Receiver {
             side: if has_both_sides { -1.0 } else { 1.0 },
         }
     }
+
+    /// True if it scatters what comes from either side.
+    #[inline]
+    #[must_use]
+    pub fn has_both_sides(&self) -> bool {
+        self.side < 0.0
+    }
 }
 
 /// The probabilities of lights.
@@ -139,6 +146,16 @@ impl Chooser {
         if self.is_one_place {
             return Some(self.by_power(u));
         }
+        self.by_importance(at, is_beside_bsdf, u)
+    }
+
+    #[inline(never)]
+    fn by_importance(
+        &self,
+        at: &Receiver,
+        is_beside_bsdf: bool,
+        u: f32,
+    ) -> Option<(usize, f32)> {
         let distant = self.distant(is_beside_bsdf);
         if self.tree.is_empty() {
             return distant.map(|d| d.sample(u));

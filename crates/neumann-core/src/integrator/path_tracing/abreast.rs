@@ -7,17 +7,16 @@
 
 use glam::Vec3;
 
-use crate::accel::Hit;
+use crate::accel::{Hit, HitLanes, RayLanes};
 use crate::endpoint::light::{Light, PanelLanes};
-use crate::endpoint::{Camera, SurfacePoint};
-use crate::math::Ray;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, vectorized};
+use crate::endpoint::{Camera, Receiver, SurfacePoint};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, select, select_vec3, vectorized};
 use crate::radiometry::Rgb;
 use crate::render::{PixelPath, PixelPlace, Pixels, Sink};
 use crate::sampling::{Sampler, roulette};
 use crate::transport::diffuse::{DiffuseHit, DiffuseVertices};
 use crate::transport::reflection::{Aimed, Drawn, light_sample};
-use crate::transport::{Tracer, VertexSample, segment};
+use crate::transport::{Medium, Tracer, VertexSample, are_apart};
 
 use super::bsdf::{MODE, bsdf_numbers};
 use super::connect;
@@ -31,120 +30,180 @@ pub(super) fn trace(
     tracer: &mut Tracer<'_>,
     sink: &mut Sink<'_>,
 ) {
-    let mut lanes: [Option<Lane<'_>>; LANES] = std::array::from_fn(|_| None);
-    let mut step = Step {
-        vertices: DiffuseVertices::new(walk.scene),
-        events: Events::default(),
-        joined: [false; LANES],
-    };
+    let mut paths = Paths::default();
+    let mut step = Step::new(walk);
     loop {
         // A lane without a path takes the next one.
-        for lane in &mut lanes {
-            if lane.is_none() {
-                *lane = pixels.next().map(|pixel| Lane::start(pixel, camera));
+        for lane in lanes_of(!paths.rays.mask()) {
+            match pixels.next() {
+                Some(pixel) => paths.start(lane, pixel, camera),
+                None => break,
             }
         }
-        if lanes.iter().all(Option::is_none) {
+        if paths.rays.mask() == 0 {
             return;
         }
-        // What do the rays meet?
-        for (number, place) in lanes.iter_mut().enumerate() {
-            step.joined[number] = false;
-            if let Some(lane) = place {
-                let found = tracer.hit(&lane.path.ray);
-                let is_joined = found.is_some_and(|hit| step.join(walk, number, lane, &hit));
-                if !is_joined && !lane.step(walk, found.as_ref(), tracer, sink) {
-                    *place = None;
-                }
+        // What do the rays meet? Some go on from there together, the others each by itself.
+        let hits = tracer.hits(&paths.rays);
+        for lane in lanes_of(paths.rays.mask()) {
+            if !step.join(walk, &paths, lane, &hits) {
+                paths.step(walk, lane, hits[lane].as_ref(), tracer, sink);
             }
         }
-        // The others go on together.
-        step.take(walk, &mut lanes, tracer, sink);
+        step.take(walk, &mut paths, &hits, tracer, sink);
     }
 }
 
-/// A path with what belongs to it.
-struct Lane<'t> {
-    path: Path,
-    sampler: Sampler<'t>,
-    place: PixelPlace,
+/// The paths of all lanes that have one: [`Path`] lane by lane.
+struct Paths<'t> {
+    rays: RayLanes,
+    throughput: Vec3Lanes,
+    bounce: Lanes<u32>,
+    n_events: Lanes<u32>,
+    drawn: DrawnLanes,
+    media: [Medium; LANES],
+    samplers: [Sampler<'t>; LANES],
+    places: [PixelPlace; LANES],
 }
 
-impl<'t> Lane<'t> {
-    #[inline(always)]
-    fn start(pixel: PixelPath<'t>, camera: &Camera) -> Self {
-        let PixelPath {
-            sample,
-            mut sampler,
-            place,
-        } = pixel;
+/// [`Drawn`] in each lane; the density is 0 where there is none.
+#[derive(Default)]
+struct DrawnLanes {
+    position: Vec3Lanes,
+    normal: Vec3Lanes,
+    has_both_sides: Lanes<u32>,
+    pdf_w: Lanes<f32>,
+}
+
+impl Default for Paths<'_> {
+    fn default() -> Self {
         Self {
-            path: Path::new(camera.ray(sample.raster, sampler.next_2d()).ray),
-            sampler,
-            place,
+            rays: RayLanes::default(),
+            throughput: Vec3Lanes::default(),
+            bounce: Lanes::default(),
+            n_events: Lanes::default(),
+            drawn: DrawnLanes::default(),
+            media: [Medium::VACUUM; LANES],
+            samplers: std::array::from_fn(|_| Sampler::new(0, 0, 0)),
+            places: [PixelPlace::default(); LANES],
         }
     }
+}
 
-    /// A step by itself; false where the path ends.
+impl<'t> Paths<'t> {
+    fn start(&mut self, lane: usize, pixel: PixelPath<'t>, camera: &Camera) {
+        self.samplers[lane] = pixel.sampler;
+        self.places[lane] = pixel.place;
+        let u = self.samplers[lane].next_2d();
+        self.set(lane, &Path::new(camera.ray(pixel.sample.raster, u).ray));
+    }
+
+    /// A step of one path by itself.
+    #[inline(never)]
     fn step(
         &mut self,
         walk: &Walk<'_>,
+        lane: usize,
         found: Option<&Hit>,
         tracer: &mut Tracer<'_>,
         sink: &mut Sink<'_>,
-    ) -> bool {
-        sink.start_pixel(self.place);
-        let next = walk.step(self.path, found, tracer, &mut self.sampler, sink);
-        self.path = next.unwrap_or(self.path);
-        next.is_some()
+    ) {
+        sink.start_pixel(self.places[lane]);
+        let path = self.get(walk, lane);
+        match walk.step(path, found, tracer, &mut self.samplers[lane], sink) {
+            Some(path) => self.set(lane, &path),
+            None => self.end(lane),
+        }
+    }
+
+    fn end(&mut self, lane: usize) {
+        self.rays.set_mask(self.rays.mask() & !(1 << lane));
+    }
+
+    fn get(&self, walk: &Walk<'_>, lane: usize) -> Path {
+        let pdf_w = self.drawn.pdf_w.get(lane);
+        Path {
+            ray: self.rays.get(lane),
+            throughput: Rgb::from(self.throughput.get(lane).to_array()),
+            medium: self.media[lane],
+            bounce: self.bounce.get(lane),
+            n_events: self.n_events.get(lane),
+            drawn: (pdf_w > 0.0).then(|| Drawn {
+                from: Receiver::new(
+                    self.drawn.position.get(lane),
+                    self.drawn.normal.get(lane),
+                    self.drawn.has_both_sides.get(lane) != 0,
+                ),
+                choice: walk.choice,
+                pdf_w,
+            }),
+        }
+    }
+
+    fn set(&mut self, lane: usize, path: &Path) {
+        self.rays.set(lane, &path.ray);
+        let Rgb { r, g, b } = path.throughput;
+        self.throughput.set(lane, Vec3::new(r, g, b));
+        self.media[lane] = path.medium;
+        self.bounce.set(lane, path.bounce);
+        self.n_events.set(lane, path.n_events);
+        let drawn = &mut self.drawn;
+        drawn.pdf_w.set(lane, path.drawn.map_or(0.0, |d| d.pdf_w));
+        if let Some(Drawn { from, .. }) = path.drawn {
+            drawn.position.set(lane, from.position);
+            drawn.normal.set(lane, from.normal);
+            drawn
+                .has_both_sides
+                .set(lane, u32::from(from.has_both_sides()));
+        }
     }
 }
 
 /// A step of all paths that make it together.
 struct Step<'a> {
+    /// One bit for each lane that has joined.
+    joined: u32,
     vertices: DiffuseVertices<'a>,
     events: Events,
-    joined: [bool; LANES],
 }
 
 /// What is drawn at the vertices, and what comes of it.
 #[derive(Default)]
 struct Events {
-    throughput: Vec3Lanes,
-    n_events: Lanes<u32>,
     u_direction: [Lanes<f32>; 3],
     u_roulette: Lanes<f32>,
     panels: PanelLanes,
-    /// What comes from the light, if it is seen, its MIS weight, and both ends of the ray that tells.
+    /// What comes from the light, if it is seen, its MIS weight, and the ray that tells.
     aimed: Vec3Lanes,
     mis_weight: Lanes<f32>,
-    from: Vec3Lanes,
-    to: Vec3Lanes,
+    shadows: RayLanes,
     is_aimed: Lanes<u32>,
-    /// The next ray, and what has become of the throughput.
-    origin: Vec3Lanes,
-    direction: Vec3Lanes,
-    pdf_w: Lanes<f32>,
+    is_apart: Lanes<u32>,
+    /// 1 where the path goes on.
     goes_on: Lanes<u32>,
 }
 
 impl<'a> Step<'a> {
-    /// Puts a path into its lane, if what it has met is plain enough.
+    fn new(walk: &Walk<'a>) -> Self {
+        Self {
+            joined: 0,
+            vertices: DiffuseVertices::new(walk.scene),
+            events: Events::default(),
+        }
+    }
+
+    /// Lets a path join, if what it has met is plain enough.
     #[inline(always)]
-    fn join(&mut self, walk: &Walk<'a>, number: usize, lane: &mut Lane<'_>, hit: &Hit) -> bool {
-        let path = &lane.path;
-        if path.bounce >= walk.max_bounces || !path.medium.is_vacuum() {
+    fn join(&mut self, walk: &Walk<'a>, paths: &Paths<'_>, lane: usize, hits: &HitLanes) -> bool {
+        if paths.bounce.get(lane) >= walk.max_bounces || !paths.media[lane].is_vacuum() {
             return false;
         }
-        let Some(diffuse) = DiffuseHit::of(walk.scene, hit) else {
+        let found = hits[lane].as_ref();
+        let Some(diffuse) = found.and_then(|hit| DiffuseHit::of(walk.scene, hit)) else {
             return false;
         };
-        self.vertices
-            .set(number, &diffuse, -path.ray.direction());
-        let Rgb { r, g, b } = path.throughput;
-        self.events.throughput.set(number, Vec3::new(r, g, b));
-        self.events.n_events.set(number, path.n_events);
-        self.joined[number] = true;
+        self.vertices.set(lane, &diffuse);
+        self.joined |= 1 << lane;
         true
     }
 
@@ -152,98 +211,80 @@ impl<'a> Step<'a> {
     fn take(
         &mut self,
         walk: &Walk<'a>,
-        lanes: &mut [Option<Lane<'_>>; LANES],
+        paths: &mut Paths<'_>,
+        hits: &HitLanes,
         tracer: &mut Tracer<'_>,
         sink: &mut Sink<'_>,
     ) {
         let Self {
+            joined,
             vertices,
             events,
-            joined,
         } = self;
-        vertices.complete();
+        let mut abreast = std::mem::take(joined);
+        if abreast == 0 {
+            return;
+        }
+        vertices.complete(&paths.rays);
 
-        // Which light to aim at, and all that is drawn.
-        for number in 0..LANES {
-            let Some(lane) = lanes[number].as_mut().filter(|_| joined[number]) else {
-                continue;
-            };
-            let sampler = &mut lane.sampler;
-            let u = bsdf_numbers(sampler, lane.path.bounce);
+        // All that is drawn, and which light to aim at.
+        let lights = walk.scene.lights();
+        for lane in lanes_of(abreast) {
+            let sampler = &mut paths.samplers[lane];
+            let u = bsdf_numbers(sampler, paths.bounce.get(lane));
             for (lanes, u) in events.u_direction.iter_mut().zip(u) {
-                lanes.set(number, u);
+                lanes.set(lane, u);
             }
             let u = light_sample(sampler);
-            events.u_roulette.set(number, sampler.next_1d());
-            let lights = walk.scene.lights();
-            let receiver = vertices.vertex(number).receiver();
-            match lights.choose(&receiver, walk.choice, u.choice[0]) {
-                Some((index, pmf)) => {
-                    if let Light::Area(light) = &lights.as_slice()[index]
-                        && let Some(panel) = light.as_uniform()
-                    {
-                        events.panels.set(number, &panel, pmf, u.point);
-                    } else {
-                        todo!()
-                    }
-                }
-                None => events.panels.clear(number),
-            }
-        }
-        aim(vertices, events);
-
-        // Is the light seen?
-        for number in 0..LANES {
-            let Some(lane) = lanes[number].as_mut().filter(|_| joined[number]) else {
+            events.u_roulette.set(lane, sampler.next_1d());
+            let choice = lights.choose(&vertices.receiver(lane), walk.choice, u.choice[0]);
+            let Some((index, pmf)) = choice else {
+                events.panels.clear(lane);
                 continue;
             };
-            if events.is_aimed.get(number) == 0 {
-                continue;
+            let panel = match &lights.as_slice()[index] {
+                Light::Area(light) => light.as_uniform(),
+                _ => None,
+            };
+            match panel {
+                Some(panel) => events.panels.set(lane, &panel, pmf, u.point),
+                None => {
+                    paths.step(walk, lane, hits[lane].as_ref(), tracer, sink);
+                    abreast &= !(1 << lane);
+                }
             }
-            let line = segment(events.from.get(number), events.to.get(number));
-            let share = line.map_or(1.0, |ray| tracer.transmittance(&ray));
-            if share > 0.0 {
-                let aimed = Rgb::from(events.aimed.get(number).to_array());
-                let value = lane.path.throughput * (aimed * share);
-                sink.start_pixel(lane.place);
-                sink.add(connect(
-                    lane.path.bounce + 1,
-                    value,
-                    events.mis_weight.get(number),
-                ));
+        }
+
+        // Is the light seen?
+        aim(vertices, events, paths);
+        let mut shadows = 0;
+        for lane in lanes_of(abreast) {
+            shadows |= (events.is_aimed.get(lane) & events.is_apart.get(lane)) << lane;
+        }
+        events.shadows.set_mask(shadows);
+        let shares = tracer.transmittances(&events.shadows);
+        for lane in lanes_of(abreast) {
+            if events.is_aimed.get(lane) != 0 && shares[lane] > 0.0 {
+                let value = Rgb::from(events.aimed.get(lane).to_array()) * shares[lane];
+                let weight = events.mis_weight.get(lane);
+                sink.start_pixel(paths.places[lane]);
+                sink.add(connect(paths.bounce.get(lane) + 1, value, weight));
             }
         }
 
         // On to the next vertices.
-        go_on(vertices, events, walk.has_roulette);
-        for number in 0..LANES {
-            if !joined[number] {
-                continue;
+        go_on(vertices, events, paths, abreast, walk.has_roulette);
+        for lane in lanes_of(abreast) {
+            if events.goes_on.get(lane) == 0 {
+                paths.end(lane);
             }
-            let Some(lane) = lanes[number].as_mut() else {
-                continue;
-            };
-            if events.goes_on.get(number) == 0 {
-                lanes[number] = None;
-                continue;
-            }
-            let path = &mut lane.path;
-            path.ray = Ray::new(events.origin.get(number), events.direction.get(number));
-            path.throughput = Rgb::from(events.throughput.get(number).to_array());
-            path.drawn = Some(Drawn {
-                from: vertices.vertex(number).receiver(),
-                choice: walk.choice,
-                pdf_w: events.pdf_w.get(number),
-            });
-            path.bounce += 1;
-            path.n_events += 1;
         }
     }
 }
 
 vectorized! {
     /// Aims at the lights.
-    fn aim(vertices: &DiffuseVertices<'_>, events: &mut Events) {
+    fn aim(vertices: &DiffuseVertices<'_>, events: &mut Events, paths: &Paths<'_>) {
         for lane in 0..LANES {
             let vertex = vertices.vertex(lane);
             let aim = events.panels.aim(lane, vertex.point.position);
@@ -261,36 +302,57 @@ vectorized! {
                 ng: Vec3::ZERO,
             });
             let wi = aim.map_or(Vec3::ZERO, |aim| aim.wi);
-            let Rgb { r, g, b } = aimed.value;
+            let throughput = Rgb::from(paths.throughput.get(lane).to_array());
+            let Rgb { r, g, b } = throughput * aimed.value;
             events.aimed.set(lane, Vec3::new(r, g, b));
             events.mis_weight.set(lane, aimed.mis_weight());
-            events.from.set(lane, vertex.point.off_surface(wi));
-            events.to.set(lane, light.off_surface(-wi));
+            let origin = vertex.point.off_surface(wi);
+            let apart = light.off_surface(-wi) - origin;
+            events.shadows.set_segment(lane, origin, apart);
             events.is_aimed.set(lane, u32::from(is_aimed));
+            events.is_apart.set(lane, u32::from(are_apart(apart)));
         }
     }
 }
 
 vectorized! {
-    /// Draws the next rays.
-    fn go_on(vertices: &DiffuseVertices<'_>, events: &mut Events, has_roulette: bool) {
+    /// Draws the next rays of the paths that are abreast.
+    fn go_on(vertices: &DiffuseVertices<'_>, events: &mut Events, paths: &mut Paths<'_>, abreast: u32, has_roulette: bool) {
         for lane in 0..LANES {
+            let is_abreast = abreast >> lane & 1 != 0;
             let vertex = vertices.vertex(lane);
             let u = [0, 1, 2].map(|i| events.u_direction[i].get(lane));
-            let throughput = Rgb::from(events.throughput.get(lane).to_array());
             let sample = vertex.sample(u, MODE);
             let is_drawn = sample.is_some();
-            let sample = sample.unwrap_or(VertexSample { wi: Vec3::ZERO, f_cos: Rgb::BLACK, pdf_w: 1.0, is_delta: false });
-            let throughput = throughput * sample.throughput();
-            let n_events = events.n_events.get(lane);
-            let survival = if has_roulette { roulette::survival_after(n_events, throughput) } else { 1.0 };
+            let sample = sample.unwrap_or(VertexSample {
+                wi: Vec3::ZERO,
+                f_cos: Rgb::BLACK,
+                pdf_w: 1.0,
+                is_delta: false,
+            });
+            let before = paths.throughput.get(lane);
+            let throughput = Rgb::from(before.to_array()) * sample.throughput();
+            let n_events = paths.n_events.get(lane);
+            let survival = if has_roulette {
+                roulette::survival_after(n_events, throughput)
+            } else {
+                1.0
+            };
             let goes_on = is_drawn & (events.u_roulette.get(lane) < survival);
-            let Rgb { r, g, b } = throughput * (1.0 / survival);
-            events.throughput.set(lane, Vec3::new(r, g, b));
-            events.origin.set(lane, vertex.point.off_surface(sample.wi));
-            events.direction.set(lane, sample.wi);
-            events.pdf_w.set(lane, sample.pdf_w);
             events.goes_on.set(lane, u32::from(goes_on));
+            let Rgb { r, g, b } = throughput * (1.0 / survival);
+            let throughput = Vec3::new(r, g, b);
+            let keep = |a: Vec3, b: Vec3| select_vec3(is_abreast, a, b);
+            paths.throughput.set(lane, keep(throughput, before));
+            paths.rays.replace(lane, is_abreast, vertex.point.off_surface(sample.wi), sample.wi);
+            paths.n_events.set(lane, n_events + u32::from(is_abreast));
+            paths.bounce.set(lane, paths.bounce.get(lane) + u32::from(is_abreast));
+            let receiver = vertices.receiver(lane);
+            let drawn = &mut paths.drawn;
+            drawn.position.set(lane, keep(receiver.position, drawn.position.get(lane)));
+            drawn.normal.set(lane, keep(receiver.normal, drawn.normal.get(lane)));
+            drawn.has_both_sides.set(lane, drawn.has_both_sides.get(lane) & u32::from(!is_abreast));
+            drawn.pdf_w.set(lane, select(is_abreast, sample.pdf_w, drawn.pdf_w.get(lane)));
         }
     }
 }

@@ -1,0 +1,225 @@
+//! Rays side by side.
+//!
+//! They are prepared, and meet the children of the root, sixteen at once in vectors. From there on each walks by itself:
+//! rays that have been scattered soon go different ways, and a vector of which few lanes are wanted is slower than
+//! the vectors of boxes and triangles that a single ray meets.
+
+use glam::Vec3;
+
+use super::Hit;
+use super::traverse::{ACROSS, BoxHits, FAR_PADDING, Prepared};
+use super::wide::{Node, WIDTH};
+use crate::math::Ray;
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, select_vec3};
+
+/// A ray in each lane, or none.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RayLanes {
+    origin: Vec3Lanes,
+    direction: Vec3Lanes,
+    end: Lanes<f32>,
+    /// One bit for each lane that has one.
+    is_there: u32,
+}
+
+/// What the rays of all lanes meet first; `None` where there is no ray, or nothing is met.
+pub(crate) type HitLanes = [Option<Hit>; LANES];
+
+impl RayLanes {
+    /// Puts a ray into a lane.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, ray: &Ray) {
+        self.origin.set(lane, ray.origin());
+        self.direction.set(lane, ray.direction());
+        self.end.set(lane, ray.t_max());
+        self.is_there |= 1 << lane;
+    }
+
+    /// The ray of a lane.
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> Ray {
+        Ray::with_end(
+            self.origin.get(lane),
+            self.direction.get(lane),
+            self.end.get(lane),
+        )
+    }
+
+    /// The distance at which the ray of a lane ends.
+    #[inline(always)]
+    pub(super) fn end(&self, lane: usize) -> f32 {
+        self.end.get(lane)
+    }
+
+    /// Where the ray of a lane goes.
+    #[inline(always)]
+    pub(crate) fn direction(&self, lane: usize) -> Vec3 {
+        self.direction.get(lane)
+    }
+
+    /// Gives a lane another ray with the same end, if it is to be there.
+    #[inline(always)]
+    pub(crate) fn replace(&mut self, lane: usize, is_replaced: bool, origin: Vec3, direction: Vec3) {
+        let origin = select_vec3(is_replaced, origin, self.origin.get(lane));
+        let direction = select_vec3(is_replaced, direction, self.direction.get(lane));
+        self.origin.set(lane, origin);
+        self.direction.set(lane, direction);
+    }
+
+    /// Puts a segment into a lane, from a point to another one at the given distance in all three directions; not there before
+    /// [`Self::set_mask`] says so.
+    #[inline(always)]
+    pub(crate) fn set_segment(&mut self, lane: usize, origin: Vec3, apart: Vec3) {
+        self.origin.set(lane, origin);
+        self.direction.set(lane, apart);
+        self.end.set(lane, 1.0);
+    }
+
+    /// One bit for each lane that has a ray.
+    #[inline(always)]
+    pub(crate) fn mask(&self) -> u32 {
+        self.is_there
+    }
+
+    /// Says which lanes have rays.
+    #[inline(always)]
+    pub(crate) fn set_mask(&mut self, mask: u32) {
+        self.is_there = mask;
+    }
+}
+
+/// [`Prepared`], in each lane.
+pub(super) struct PreparedLanes {
+    origin: Vec3Lanes,
+    inverse: [Lanes<f32>; 3],
+    /// 1 where the direction is negative along an axis.
+    is_negative: [Lanes<u32>; 3],
+    /// The axis that the ray runs along most.
+    along: Lanes<u32>,
+    shear: [Lanes<f32>; 3],
+}
+
+impl PreparedLanes {
+    #[inline(always)]
+    pub(super) fn new(rays: &RayLanes) -> Self {
+        let mut prepared = Self {
+            origin: rays.origin,
+            inverse: [Lanes::default(); 3],
+            is_negative: [Lanes::default(); 3],
+            along: Lanes::default(),
+            shear: [Lanes::default(); 3],
+        };
+        for lane in 0..LANES {
+            let d = rays.direction.get(lane).to_array();
+            let inverse = d.map(|d| {
+                if d.abs() < 1e-18 {
+                    1e18f32.copysign(d)
+                } else {
+                    1.0 / d
+                }
+            });
+            let is_negative = d.map(|d| d.to_bits() >> 31);
+            let [x, y, z] = d.map(f32::abs);
+            let is_y = y > x;
+            let is_z = z > if x > y { x } else { y };
+            // Of three, the one that goes with the axis.
+            let pick = |of_x, of_y, of_z| {
+                if is_z {
+                    of_z
+                } else if is_y {
+                    of_y
+                } else {
+                    of_x
+                }
+            };
+            let scale = pick(inverse[0], inverse[1], inverse[2]);
+            let (next, other) = (pick(d[1], d[2], d[0]), pick(d[2], d[0], d[1]));
+            let is_back = scale.to_bits() >> 31 != 0;
+            let across = if is_back { [other, next] } else { [next, other] };
+            for axis in 0..3 {
+                prepared.inverse[axis].set(lane, inverse[axis]);
+                prepared.is_negative[axis].set(lane, is_negative[axis]);
+            }
+            prepared.along.set(
+                lane,
+                if is_z {
+                    2
+                } else if is_y {
+                    1
+                } else {
+                    0
+                },
+            );
+            prepared.shear[0].set(lane, across[0] * scale);
+            prepared.shear[1].set(lane, across[1] * scale);
+            prepared.shear[2].set(lane, scale);
+        }
+        prepared
+    }
+
+    /// That of one lane.
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> Prepared {
+        let is_negative = [0, 1, 2].map(|axis| self.is_negative[axis].get(lane) as usize);
+        let z = self.along.get(lane) as usize % 3;
+        let [x, y] = ACROSS[z][is_negative[z] % 2];
+        Prepared {
+            origin: self.origin.get(lane).to_array(),
+            inverse: [0, 1, 2].map(|axis| self.inverse[axis].get(lane)),
+            near: [0, 1, 2].map(|axis| 2 * axis + is_negative[axis] % 2),
+            axes: [x, y, z],
+            shear: [0, 1, 2].map(|axis| self.shear[axis].get(lane)),
+        }
+    }
+}
+
+/// [`BoxHits`], in each lane.
+pub(super) struct BoxHitLanes {
+    near: [Lanes<f32>; WIDTH],
+    mask: Lanes<u32>,
+}
+
+impl BoxHitLanes {
+    /// The children of a node that the rays meet.
+    #[inline(always)]
+    pub(super) fn new(node: &Node, rays: &RayLanes, prepared: &PreparedLanes) -> Self {
+        let mut hits = Self {
+            near: [Lanes::default(); WIDTH],
+            mask: Lanes::default(),
+        };
+        for child in 0..WIDTH {
+            let low = [0, 2, 4].map(|row| node.bounds[row][child]);
+            let high = [1, 3, 5].map(|row| node.bounds[row][child]);
+            for lane in 0..LANES {
+                let origin = prepared.origin.get(lane).to_array();
+                let (mut near, mut far) = (0.0, f32::INFINITY);
+                for axis in 0..3 {
+                    let (o, inverse) = (origin[axis], prepared.inverse[axis].get(lane));
+                    let is_negative = prepared.is_negative[axis].get(lane) != 0;
+                    let (low, high) = (low[axis], high[axis]);
+                    let (first, last) = if is_negative { (high, low) } else { (low, high) };
+                    let t = (first - o) * inverse;
+                    near = if t > near { t } else { near };
+                    let t = (last - o) * inverse;
+                    far = if t < far { t } else { far };
+                }
+                let padded = far * FAR_PADDING;
+                let t_max = rays.end.get(lane);
+                let end = if padded < t_max { padded } else { t_max };
+                hits.near[child].set(lane, near);
+                let is_met = u32::from(near <= end);
+                hits.mask.set(lane, hits.mask.get(lane) | is_met << child);
+            }
+        }
+        hits
+    }
+
+    /// Those of one lane.
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> BoxHits {
+        BoxHits {
+            mask: self.mask.get(lane),
+            near: std::array::from_fn(|child| self.near[child].get(lane)),
+        }
+    }
+}

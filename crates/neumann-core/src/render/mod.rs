@@ -16,7 +16,7 @@ mod settings;
 mod sink;
 
 pub use cancel::{CancelToken, Cancelled};
-pub use pass::{Collected, LightNumbers, Pass};
+pub use pass::{Collected, LightNumbers, LightPaths, Pass};
 pub use pixels::{PixelPath, PixelSample, Pixels};
 pub use pool::WorkerPool;
 pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule, Thumbnail};

@@ -60,6 +60,22 @@ impl LightNumbers {
     }
 }
 
+/// The random numbers of some light paths, one path after the other.
+#[derive(Clone, Debug)]
+pub struct LightPaths {
+    numbers: LightNumbers,
+    range: Range<usize>,
+}
+
+impl Iterator for LightPaths {
+    type Item = Sampler<'static>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Sampler<'static>> {
+        Some(self.numbers.path(self.range.next()?))
+    }
+}
+
 /// What light paths left behind, path by path.
 #[derive(Clone, Debug)]
 pub struct Collected<T> {
@@ -402,33 +418,81 @@ impl<'a> Pass<'a> {
         T: Copy + Send + Sync,
         F: Fn(usize, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>, &mut Vec<T>) + Sync,
     {
+        collected.ends.clear();
+        self.trace_chunks(
+            scene,
+            n_paths,
+            |range, tracer, sink| {
+                let mut part = Collected::default();
+                for index in range {
+                    let mut sampler = numbers.path(index);
+                    path(index, tracer, &mut sampler, sink, &mut part.items);
+                    part.ends.push(part.items.len() as u32);
+                }
+                part
+            },
+            |parts| collected.write(&parts),
+        )?;
+        collected.items.truncate(collected.n_written());
+        Ok(())
+    }
+
+    /// Runs `paths` for every so many of `n_paths` light paths, to trace them in whatever order it likes: with their random
+    /// numbers, a tracer and the sink.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the token was; the frame is then worth nothing.
+    pub fn trace_light_paths_together<F>(
+        &mut self,
+        scene: &Scene,
+        n_paths: usize,
+        numbers: LightNumbers,
+        paths: F,
+    ) -> Result<(), Cancelled>
+    where
+        F: Fn(LightPaths, &mut Tracer<'_>, &mut Sink<'_>) + Sync,
+    {
+        self.trace_chunks(
+            scene,
+            n_paths,
+            |range, tracer, sink| paths(LightPaths { numbers, range }, tracer, sink),
+            |_| (),
+        )
+    }
+
+    /// Runs `paths` for every so many of `n_paths` light paths, and hands what it makes to `take`, in the order of the paths.
+    fn trace_chunks<'s, T, F>(
+        &mut self,
+        scene: &'s Scene,
+        n_paths: usize,
+        paths: F,
+        mut take: impl FnMut(Vec<T>),
+    ) -> Result<(), Cancelled>
+    where
+        T: Default + Send,
+        F: Fn(Range<usize>, &mut Tracer<'s>, &mut Sink<'_>) -> T + Sync,
+    {
         let cancel = self.cancel;
         let shape = self.sink_shape();
-        collected.ends.clear();
         for round in self.rounds(n_paths.div_ceil(CHUNK)) {
-            let (yields, parts): (Vec<Yield>, Vec<Collected<T>>) = round
+            let (yields, parts): (Vec<Yield>, Vec<T>) = round
                 .into_par_iter()
                 .with_max_len(1)
                 .map(|chunk| {
-                    let mut part = Collected::default();
                     if cancel.is_cancelled() {
-                        return (Yield::default(), part);
+                        return (Yield::default(), T::default());
                     }
                     let mut tracer = Tracer::new(scene);
                     let mut lit = LitLayers::default();
                     let mut sink = Sink::new(&mut [], &mut lit, shape);
-                    for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(n_paths) {
-                        let mut sampler = numbers.path(index);
-                        path(index, &mut tracer, &mut sampler, &mut sink, &mut part.items);
-                        part.ends.push(part.items.len() as u32);
-                    }
+                    let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(n_paths);
+                    let part = paths(range, &mut tracer, &mut sink);
                     (sink.into_yield(tracer.n_rays()), part)
                 })
                 .unzip();
             self.take(&yields)?;
-            collected.write(&parts);
+            take(parts);
         }
-        collected.items.truncate(collected.n_written());
         Ok(())
     }
 

@@ -6,9 +6,9 @@
 
 use glam::Vec3;
 
-use super::SurfaceVertex;
+use super::{SurfaceVertex, VertexSample};
 use crate::accel::{Hit, RayLanes};
-use crate::bsdf::{Bsdf, Lambert};
+use crate::bsdf::{Bsdf, Lambert, TransportMode};
 use crate::endpoint::{Receiver, SurfacePoint};
 use crate::material::Material;
 use crate::math::Frame;
@@ -122,6 +122,16 @@ impl<'a> DiffuseVertices<'a> {
         complete(self, rays);
     }
 
+    /// Draws a direction in each lane, by its numbers: [`SurfaceVertex::sample`].
+    pub(crate) fn sample(
+        &self,
+        u: &[Lanes<f32>; 3],
+        mode: TransportMode,
+        samples: &mut DiffuseSamples,
+    ) {
+        sample(self, u, mode, samples);
+    }
+
     /// [`SurfaceVertex::receiver`] of the vertex in a lane.
     #[inline(always)]
     pub(crate) fn receiver(&self, lane: usize) -> Receiver {
@@ -150,6 +160,64 @@ impl<'a> DiffuseVertices<'a> {
             opacity: 1.0,
             triangle: self.triangle.get(lane),
             barycentrics: [0, 1].map(|i| self.barycentrics[i].get(lane)),
+        }
+    }
+}
+
+/// Directions drawn at the vertices of all lanes.
+#[derive(Default)]
+pub(crate) struct DiffuseSamples {
+    /// What the step multiplies the throughput by.
+    factor: Vec3Lanes,
+    origin: Vec3Lanes,
+    direction: Vec3Lanes,
+    pdf_w: Lanes<f32>,
+    is_drawn: Lanes<u32>,
+}
+
+impl DiffuseSamples {
+    /// `f cos / pdf`, black where nothing was drawn.
+    #[inline(always)]
+    pub(crate) fn factor(&self, lane: usize) -> Rgb {
+        Rgb::from(self.factor.get(lane).to_array())
+    }
+
+    /// Origin and direction of the next ray.
+    #[inline(always)]
+    pub(crate) fn ray(&self, lane: usize) -> (Vec3, Vec3) {
+        (self.origin.get(lane), self.direction.get(lane))
+    }
+
+    /// Density of its direction, 1/sr.
+    #[inline(always)]
+    pub(crate) fn pdf_w(&self, lane: usize) -> f32 {
+        self.pdf_w.get(lane)
+    }
+
+    /// False where there is no light this way.
+    #[inline(always)]
+    pub(crate) fn is_drawn(&self, lane: usize) -> bool {
+        self.is_drawn.get(lane) != 0
+    }
+}
+
+vectorized! {
+    fn sample(v: &DiffuseVertices<'_>, u: &[Lanes<f32>; 3], mode: TransportMode, samples: &mut DiffuseSamples) {
+        for lane in 0..LANES {
+            let vertex = v.vertex(lane);
+            let sample = vertex.sample([0, 1, 2].map(|i| u[i].get(lane)), mode);
+            samples.is_drawn.set(lane, u32::from(sample.is_some()));
+            let sample = sample.unwrap_or(VertexSample {
+                wi: Vec3::ZERO,
+                f_cos: Rgb::BLACK,
+                pdf_w: 1.0,
+                is_delta: false,
+            });
+            let Rgb { r, g, b } = sample.throughput();
+            samples.factor.set(lane, Vec3::new(r, g, b));
+            samples.origin.set(lane, vertex.point.off_surface(sample.wi));
+            samples.direction.set(lane, sample.wi);
+            samples.pdf_w.set(lane, sample.pdf_w);
         }
     }
 }

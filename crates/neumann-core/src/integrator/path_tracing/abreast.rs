@@ -1,22 +1,21 @@
-//! Sixteen paths abreast, for speed alone.
+//! Sixteen camera paths abreast ([`crate::integrator::abreast`]).
 //!
-//! Each lane has a path, and takes that of the next pixel when it ends. Where a path meets a plain diffuse surface and
-//! a plain triangle is what it aims at, as most do in most scenes, it makes its step in vectors, together with the other
-//! lanes; from anywhere else, by itself ([`Walk::step`]). Either way the step is the same to the last bit: both are
-//! made of the same functions.
+//! Those that meet a plain diffuse surface and aim at a plain triangle make their step together, the others each by itself
+//! ([`Walk::step`]).
 
 use glam::Vec3;
 
 use crate::accel::{Hit, HitLanes, RayLanes};
 use crate::endpoint::light::{Light, PanelLanes};
 use crate::endpoint::{Camera, Receiver, SurfacePoint};
+use crate::integrator::abreast::PathLanes;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, select, select_vec3, vectorized};
 use crate::radiometry::Rgb;
 use crate::render::{PixelPath, PixelPlace, Pixels, Sink};
-use crate::sampling::{Sampler, roulette};
-use crate::transport::diffuse::{DiffuseHit, DiffuseVertices};
+use crate::sampling::roulette;
+use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
 use crate::transport::reflection::{Aimed, Drawn, light_sample};
-use crate::transport::{Medium, Tracer, VertexSample, are_apart};
+use crate::transport::{Tracer, are_apart};
 
 use super::bsdf::{MODE, bsdf_numbers};
 use super::connect;
@@ -34,19 +33,28 @@ pub(super) fn trace(
     let mut step = Step::new(walk);
     loop {
         // A lane without a path takes the next one.
-        for lane in lanes_of(!paths.rays.mask()) {
+        for lane in lanes_of(!paths.common.rays.mask()) {
             match pixels.next() {
                 Some(pixel) => paths.start(lane, pixel, camera),
                 None => break,
             }
         }
-        if paths.rays.mask() == 0 {
+        if paths.common.rays.mask() == 0 {
             return;
         }
         // What do the rays meet? Some go on from there together, the others each by itself.
-        let hits = tracer.hits(&paths.rays);
-        for lane in lanes_of(paths.rays.mask()) {
-            if !step.join(walk, &paths, lane, &hits) {
+        let hits = tracer.hits(&paths.common.rays);
+        for lane in lanes_of(paths.common.rays.mask()) {
+            let Walk {
+                scene, max_bounces, ..
+            } = *walk;
+            let vertices = &mut step.vertices;
+            if paths
+                .common
+                .join(scene, max_bounces, lane, &hits, vertices)
+            {
+                step.joined |= 1 << lane;
+            } else {
                 paths.step(walk, lane, hits[lane].as_ref(), tracer, sink);
             }
         }
@@ -55,14 +63,11 @@ pub(super) fn trace(
 }
 
 /// The paths of all lanes that have one: [`Path`] lane by lane.
+#[derive(Default)]
 struct Paths<'t> {
-    rays: RayLanes,
-    throughput: Vec3Lanes,
-    bounce: Lanes<u32>,
+    common: PathLanes<'t>,
     n_events: Lanes<u32>,
     drawn: DrawnLanes,
-    media: [Medium; LANES],
-    samplers: [Sampler<'t>; LANES],
     places: [PixelPlace; LANES],
 }
 
@@ -75,26 +80,11 @@ struct DrawnLanes {
     pdf_w: Lanes<f32>,
 }
 
-impl Default for Paths<'_> {
-    fn default() -> Self {
-        Self {
-            rays: RayLanes::default(),
-            throughput: Vec3Lanes::default(),
-            bounce: Lanes::default(),
-            n_events: Lanes::default(),
-            drawn: DrawnLanes::default(),
-            media: [Medium::VACUUM; LANES],
-            samplers: std::array::from_fn(|_| Sampler::new(0, 0, 0)),
-            places: [PixelPlace::default(); LANES],
-        }
-    }
-}
-
 impl<'t> Paths<'t> {
     fn start(&mut self, lane: usize, pixel: PixelPath<'t>, camera: &Camera) {
-        self.samplers[lane] = pixel.sampler;
+        self.common.samplers[lane] = pixel.sampler;
         self.places[lane] = pixel.place;
-        let u = self.samplers[lane].next_2d();
+        let u = self.common.samplers[lane].next_2d();
         self.set(lane, &Path::new(camera.ray(pixel.sample.raster, u).ray));
     }
 
@@ -110,23 +100,19 @@ impl<'t> Paths<'t> {
     ) {
         sink.start_pixel(self.places[lane]);
         let path = self.get(walk, lane);
-        match walk.step(path, found, tracer, &mut self.samplers[lane], sink) {
+        match walk.step(path, found, tracer, &mut self.common.samplers[lane], sink) {
             Some(path) => self.set(lane, &path),
-            None => self.end(lane),
+            None => self.common.end(lane),
         }
-    }
-
-    fn end(&mut self, lane: usize) {
-        self.rays.set_mask(self.rays.mask() & !(1 << lane));
     }
 
     fn get(&self, walk: &Walk<'_>, lane: usize) -> Path {
         let pdf_w = self.drawn.pdf_w.get(lane);
         Path {
-            ray: self.rays.get(lane),
-            throughput: Rgb::from(self.throughput.get(lane).to_array()),
-            medium: self.media[lane],
-            bounce: self.bounce.get(lane),
+            ray: self.common.rays.get(lane),
+            throughput: self.common.throughput(lane),
+            medium: self.common.media[lane],
+            bounce: self.common.bounce(lane),
             n_events: self.n_events.get(lane),
             drawn: (pdf_w > 0.0).then(|| Drawn {
                 from: Receiver::new(
@@ -141,11 +127,14 @@ impl<'t> Paths<'t> {
     }
 
     fn set(&mut self, lane: usize, path: &Path) {
-        self.rays.set(lane, &path.ray);
-        let Rgb { r, g, b } = path.throughput;
-        self.throughput.set(lane, Vec3::new(r, g, b));
-        self.media[lane] = path.medium;
-        self.bounce.set(lane, path.bounce);
+        let Path {
+            throughput,
+            medium,
+            bounce,
+            ..
+        } = *path;
+        self.common
+            .set(lane, &path.ray, throughput, medium, bounce);
         self.n_events.set(lane, path.n_events);
         let drawn = &mut self.drawn;
         drawn.pdf_w.set(lane, path.drawn.map_or(0.0, |d| d.pdf_w));
@@ -179,6 +168,7 @@ struct Events {
     shadows: RayLanes,
     is_aimed: Lanes<u32>,
     is_apart: Lanes<u32>,
+    samples: DiffuseSamples,
     /// 1 where the path goes on.
     goes_on: Lanes<u32>,
 }
@@ -190,21 +180,6 @@ impl<'a> Step<'a> {
             vertices: DiffuseVertices::new(walk.scene),
             events: Events::default(),
         }
-    }
-
-    /// Lets a path join, if what it has met is plain enough.
-    #[inline(always)]
-    fn join(&mut self, walk: &Walk<'a>, paths: &Paths<'_>, lane: usize, hits: &HitLanes) -> bool {
-        if paths.bounce.get(lane) >= walk.max_bounces || !paths.media[lane].is_vacuum() {
-            return false;
-        }
-        let found = hits[lane].as_ref();
-        let Some(diffuse) = found.and_then(|hit| DiffuseHit::of(walk.scene, hit)) else {
-            return false;
-        };
-        self.vertices.set(lane, &diffuse);
-        self.joined |= 1 << lane;
-        true
     }
 
     /// Takes the step in all lanes that have joined.
@@ -225,13 +200,14 @@ impl<'a> Step<'a> {
         if abreast == 0 {
             return;
         }
-        vertices.complete(&paths.rays);
+        vertices.complete(&paths.common.rays);
 
         // All that is drawn, and which light to aim at.
         let lights = walk.scene.lights();
         for lane in lanes_of(abreast) {
-            let sampler = &mut paths.samplers[lane];
-            let u = bsdf_numbers(sampler, paths.bounce.get(lane));
+            let bounce = paths.common.bounce(lane);
+            let sampler = &mut paths.common.samplers[lane];
+            let u = bsdf_numbers(sampler, bounce);
             for (lanes, u) in events.u_direction.iter_mut().zip(u) {
                 lanes.set(lane, u);
             }
@@ -268,15 +244,16 @@ impl<'a> Step<'a> {
                 let value = Rgb::from(events.aimed.get(lane).to_array()) * shares[lane];
                 let weight = events.mis_weight.get(lane);
                 sink.start_pixel(paths.places[lane]);
-                sink.add(connect(paths.bounce.get(lane) + 1, value, weight));
+                sink.add(connect(paths.common.bounce(lane) + 1, value, weight));
             }
         }
 
         // On to the next vertices.
+        vertices.sample(&events.u_direction, MODE, &mut events.samples);
         go_on(vertices, events, paths, abreast, walk.has_roulette);
         for lane in lanes_of(abreast) {
             if events.goes_on.get(lane) == 0 {
-                paths.end(lane);
+                paths.common.end(lane);
             }
         }
     }
@@ -302,7 +279,7 @@ vectorized! {
                 ng: Vec3::ZERO,
             });
             let wi = aim.map_or(Vec3::ZERO, |aim| aim.wi);
-            let throughput = Rgb::from(paths.throughput.get(lane).to_array());
+            let throughput = paths.common.throughput(lane);
             let Rgb { r, g, b } = throughput * aimed.value;
             events.aimed.set(lane, Vec3::new(r, g, b));
             events.mis_weight.set(lane, aimed.mis_weight());
@@ -320,39 +297,25 @@ vectorized! {
     fn go_on(vertices: &DiffuseVertices<'_>, events: &mut Events, paths: &mut Paths<'_>, abreast: u32, has_roulette: bool) {
         for lane in 0..LANES {
             let is_abreast = abreast >> lane & 1 != 0;
-            let vertex = vertices.vertex(lane);
-            let u = [0, 1, 2].map(|i| events.u_direction[i].get(lane));
-            let sample = vertex.sample(u, MODE);
-            let is_drawn = sample.is_some();
-            let sample = sample.unwrap_or(VertexSample {
-                wi: Vec3::ZERO,
-                f_cos: Rgb::BLACK,
-                pdf_w: 1.0,
-                is_delta: false,
-            });
-            let before = paths.throughput.get(lane);
-            let throughput = Rgb::from(before.to_array()) * sample.throughput();
+            let samples = &events.samples;
+            let throughput = paths.common.throughput(lane) * samples.factor(lane);
             let n_events = paths.n_events.get(lane);
             let survival = if has_roulette {
                 roulette::survival_after(n_events, throughput)
             } else {
                 1.0
             };
-            let goes_on = is_drawn & (events.u_roulette.get(lane) < survival);
+            let goes_on = samples.is_drawn(lane) & (events.u_roulette.get(lane) < survival);
             events.goes_on.set(lane, u32::from(goes_on));
-            let Rgb { r, g, b } = throughput * (1.0 / survival);
-            let throughput = Vec3::new(r, g, b);
-            let keep = |a: Vec3, b: Vec3| select_vec3(is_abreast, a, b);
-            paths.throughput.set(lane, keep(throughput, before));
-            paths.rays.replace(lane, is_abreast, vertex.point.off_surface(sample.wi), sample.wi);
+            paths.common.go_on(lane, is_abreast, samples, throughput * (1.0 / survival));
             paths.n_events.set(lane, n_events + u32::from(is_abreast));
-            paths.bounce.set(lane, paths.bounce.get(lane) + u32::from(is_abreast));
+            let keep = |a: Vec3, b: Vec3| select_vec3(is_abreast, a, b);
             let receiver = vertices.receiver(lane);
             let drawn = &mut paths.drawn;
             drawn.position.set(lane, keep(receiver.position, drawn.position.get(lane)));
             drawn.normal.set(lane, keep(receiver.normal, drawn.normal.get(lane)));
             drawn.has_both_sides.set(lane, drawn.has_both_sides.get(lane) & u32::from(!is_abreast));
-            drawn.pdf_w.set(lane, select(is_abreast, sample.pdf_w, drawn.pdf_w.get(lane)));
+            drawn.pdf_w.set(lane, select(is_abreast, samples.pdf_w(lane), drawn.pdf_w.get(lane)));
         }
     }
 }

@@ -1,0 +1,122 @@
+//! What paths abreast have in common, whichever end they start from.
+//!
+//! Sixteen paths walk side by side, for speed alone. Each lane has a path, and takes the next one when it ends. Where a path
+//! meets a plain diffuse surface, as most do in most scenes, it makes its step in vectors, together with the other
+//! lanes ([`crate::transport::diffuse`]); from anywhere else, by itself. Either way the step is the same to the last bit: both
+//! are made of the same functions.
+
+use glam::Vec3;
+
+use crate::accel::{HitLanes, RayLanes};
+use crate::math::Ray;
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, select_vec3};
+use crate::radiometry::Rgb;
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+use crate::transport::Medium;
+use crate::transport::diffuse::{DiffuseHit, DiffuseSamples, DiffuseVertices};
+
+/// The paths of all lanes that have one.
+pub(super) struct PathLanes<'t> {
+    /// Their rays; a lane without one has no path.
+    pub(super) rays: RayLanes,
+    throughput: Vec3Lanes,
+    bounce: Lanes<u32>,
+    pub(super) media: [Medium; LANES],
+    pub(super) samplers: [Sampler<'t>; LANES],
+}
+
+impl Default for PathLanes<'_> {
+    fn default() -> Self {
+        Self {
+            rays: RayLanes::default(),
+            throughput: Vec3Lanes::default(),
+            bounce: Lanes::default(),
+            media: [Medium::VACUUM; LANES],
+            samplers: std::array::from_fn(|_| Sampler::new(0, 0, 0)),
+        }
+    }
+}
+
+impl PathLanes<'_> {
+    /// What the step before has left of a path's throughput.
+    #[inline(always)]
+    pub(super) fn throughput(&self, lane: usize) -> Rgb {
+        Rgb::from(self.throughput.get(lane).to_array())
+    }
+
+    /// Scattering events so far.
+    #[inline(always)]
+    pub(super) fn bounce(&self, lane: usize) -> u32 {
+        self.bounce.get(lane)
+    }
+
+    /// Puts a path into a lane, beside its random numbers.
+    #[inline(always)]
+    pub(super) fn set(
+        &mut self,
+        lane: usize,
+        ray: &Ray,
+        throughput: Rgb,
+        medium: Medium,
+        bounce: u32,
+    ) {
+        self.rays.set(lane, ray);
+        self.set_throughput(lane, throughput);
+        self.media[lane] = medium;
+        self.bounce.set(lane, bounce);
+    }
+
+    #[inline(always)]
+    fn set_throughput(&mut self, lane: usize, throughput: Rgb) {
+        let Rgb { r, g, b } = throughput;
+        self.throughput.set(lane, Vec3::new(r, g, b));
+    }
+
+    /// Takes a path out of its lane.
+    #[inline(always)]
+    pub(super) fn end(&mut self, lane: usize) {
+        self.rays.set_mask(self.rays.mask() & !(1 << lane));
+    }
+
+    /// Lets the path of a lane join those that make their next step together, if what it has met is plain enough.
+    #[inline(always)]
+    pub(super) fn join<'s>(
+        &self,
+        scene: &'s Scene,
+        max_bounces: u32,
+        lane: usize,
+        hits: &HitLanes,
+        vertices: &mut DiffuseVertices<'s>,
+    ) -> bool {
+        if self.bounce.get(lane) >= max_bounces || !self.media[lane].is_vacuum() {
+            return false;
+        }
+        let found = hits[lane].as_ref();
+        match found.and_then(|hit| DiffuseHit::of(scene, hit)) {
+            Some(found) => {
+                vertices.set(lane, &found);
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Takes the path of a lane on along the direction that was drawn, if it is among those that make the step together.
+    #[inline(always)]
+    pub(super) fn go_on(
+        &mut self,
+        lane: usize,
+        is_abreast: bool,
+        samples: &DiffuseSamples,
+        throughput: Rgb,
+    ) {
+        let Rgb { r, g, b } = throughput;
+        let throughput = select_vec3(is_abreast, Vec3::new(r, g, b), self.throughput.get(lane));
+        self.throughput.set(lane, throughput);
+        let (origin, direction) = samples.ray(lane);
+        self.rays.replace(lane, is_abreast, origin, direction);
+        let bounce = self.bounce.get(lane) + u32::from(is_abreast);
+        self.bounce.set(lane, bounce);
+    }
+}

@@ -8,9 +8,10 @@ use super::appearance::Appearance;
 use super::description::{
     CameraDescription, EnvironmentDescription, LoadReport, Projection, SceneDescription,
 };
-use super::geometry::Geometry;
+use super::geometry::{Geometry, PlacedMesh};
 use super::{OpeningProgress, build, lighting};
 use crate::accel::{Bvh, TreeQuality};
+use crate::bsdf::{Bsdf, Lambert};
 use crate::endpoint::Lights;
 use crate::endpoint::light::Light;
 use crate::material::{Material, TextureImage};
@@ -32,6 +33,19 @@ pub struct Scene {
     materials: Vec<Material>,
     lights: Lights,
     has_alpha: bool,
+    /// `reflectors[mesh]`
+    reflectors: Vec<Option<PlainReflector>>,
+}
+
+/// A mesh that scatters alike everywhere, diffusely, and does nothing else: it has neither vertex colours nor a volume. Triangles
+/// of it may still be lights.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlainReflector {
+    pub(crate) lambert: Lambert,
+    /// True if normals are interpolated over its triangles.
+    pub(crate) is_smooth: bool,
+    /// Index of its material.
+    pub(crate) material: u32,
 }
 
 /// A tree that a scene may have instead of its own.
@@ -129,7 +143,7 @@ impl Scene {
             );
             appearance.environment = Some(Arc::new(EnvironmentDescription::uniform(Rgb::WHITE)));
         }
-        let (materials, lights, has_alpha) = dress(&geometry, &images, &appearance);
+        let dress = dress(&geometry, &images, &appearance);
         Self {
             name: description.name.clone(),
             about: description.about.clone(),
@@ -141,9 +155,10 @@ impl Scene {
             report: Arc::new(description.report.clone()),
             warnings: warnings.into(),
             appearance,
-            materials,
-            lights,
-            has_alpha,
+            materials: dress.materials,
+            lights: dress.lights,
+            has_alpha: dress.has_alpha,
+            reflectors: dress.reflectors,
         }
     }
 
@@ -166,12 +181,13 @@ impl Scene {
             ),
             "an appearance edits a scene's materials and lights, it does not add or drop any"
         );
-        let (materials, lights, has_alpha) = dress(&self.geometry, &self.images, &appearance);
+        let dress = dress(&self.geometry, &self.images, &appearance);
         Self {
             appearance,
-            materials,
-            lights,
-            has_alpha,
+            materials: dress.materials,
+            lights: dress.lights,
+            has_alpha: dress.has_alpha,
+            reflectors: dress.reflectors,
             ..self.clone()
         }
     }
@@ -232,6 +248,12 @@ impl Scene {
     #[must_use]
     pub fn materials(&self) -> &[Material] {
         &self.materials
+    }
+
+    /// What a mesh is, if it is no more than a diffuse reflector.
+    #[inline]
+    pub(crate) fn plain_reflector(&self, mesh: u32) -> Option<&PlainReflector> {
+        self.reflectors[mesh as usize].as_ref()
     }
 
     /// Its lights.
@@ -299,11 +321,15 @@ impl Scene {
     }
 }
 
-fn dress(
-    geometry: &Geometry,
-    images: &[TextureImage],
-    appearance: &Appearance,
-) -> (Vec<Material>, Lights, bool) {
+/// What follows from geometry and appearance.
+struct Dress {
+    materials: Vec<Material>,
+    lights: Lights,
+    has_alpha: bool,
+    reflectors: Vec<Option<PlainReflector>>,
+}
+
+fn dress(geometry: &Geometry, images: &[TextureImage], appearance: &Appearance) -> Dress {
     let materials: Vec<Material> = appearance
         .materials
         .iter()
@@ -314,7 +340,24 @@ fn dress(
         .meshes()
         .iter()
         .any(|mesh| materials[mesh.material as usize].has_alpha());
-    (materials, lights, has_alpha)
+    let reflector = |mesh: &PlacedMesh| {
+        let material = &materials[mesh.material as usize];
+        let is_plain = mesh.arrays.colors.is_none() && material.absorption().is_none();
+        match material.uniform_bsdf() {
+            Some(Bsdf::Lambert(lambert)) if is_plain => Some(PlainReflector {
+                lambert: *lambert,
+                is_smooth: mesh.arrays.normals.is_some(),
+                material: mesh.material,
+            }),
+            _ => None,
+        }
+    };
+    Dress {
+        reflectors: geometry.meshes().iter().map(reflector).collect(),
+        materials,
+        lights,
+        has_alpha,
+    }
 }
 
 /// A camera in front of the scene and a little above, just far enough to see all of its bounds in a

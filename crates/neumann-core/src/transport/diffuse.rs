@@ -33,21 +33,22 @@ impl<'a> DiffuseHit<'a> {
     /// A hit on a surface without emission and volume that is the same diffuse reflector all over; `None` for any other.
     #[inline(always)]
     pub(crate) fn of(scene: &'a Scene, hit: &Hit) -> Option<Self> {
-        let facet = scene.geometry().facet(hit.triangle);
-        let mesh = &scene.geometry().meshes()[facet.mesh as usize];
-        let material = &scene.materials()[mesh.material as usize];
-        let Some(Bsdf::Lambert(lambert)) = material.uniform_bsdf() else {
+        let geometry = scene.geometry();
+        let facet = geometry.facet(hit.triangle);
+        let reflector = scene.plain_reflector(facet.mesh)?;
+        if scene.lights().of_triangle(hit.triangle).is_some() {
             return None;
+        }
+        let normal = || {
+            let mesh = &geometry.meshes()[facet.mesh as usize];
+            mesh.normal(facet.vertices(), hit.barycentrics)
         };
-        let is_plain = mesh.arrays.colors.is_none()
-            && material.absorption().is_none()
-            && scene.lights().of_triangle(hit.triangle).is_none();
-        is_plain.then(|| Self {
-            normal: mesh.normal(facet.vertices(), hit.barycentrics),
+        Some(Self {
+            normal: if reflector.is_smooth { normal() } else { None },
             hit: *hit,
             facet,
-            lambert: *lambert,
-            material,
+            lambert: reflector.lambert,
+            material: &scene.materials()[reflector.material as usize],
         })
     }
 }

@@ -136,7 +136,7 @@ impl Chooser {
 
     /// A light chosen for a receiver, and its probability; `None` where none can reach it, or none that is not left to
     /// a BSDF.
-    #[inline]
+    #[inline(always)]
     pub(super) fn by_tree(
         &self,
         at: &Receiver,

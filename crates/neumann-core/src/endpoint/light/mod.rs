@@ -143,7 +143,7 @@ impl Lights {
     }
 
     /// The light that `u` in [0, 1) falls on, to be aimed at, and its probability; `None` where none can reach the point.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn choose(&self, from: &Receiver, choice: LightChoice, u: f32) -> Option<(usize, f32)> {
         let chooser = self.chooser.as_ref()?;

@@ -12,7 +12,7 @@ use crate::sampling::roulette;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
 use crate::transport::{Tracer, are_apart};
 
-use super::{MODE, Path, Walk, lens_sample, see_unshadowed, splat};
+use super::{MODE, Path, Walk, see_unshadowed, splat};
 
 /// Traces the particles.
 pub(super) fn trace(
@@ -64,17 +64,15 @@ pub(super) fn trace(
         // All that is drawn.
         for lane in lanes_of(abreast) {
             let bounce = paths.common.bounce(lane);
-            let sampler = &mut paths.common.samplers[lane];
-            sampler.start_bounce(bounce);
-            let u = lens_sample(sampler);
-            events.u_lens[0].set(lane, u[0]);
-            events.u_lens[1].set(lane, u[1]);
-            let [a, b] = sampler.next_2d();
-            let u = [sampler.next_1d(), a, b];
+            // In the order in which a step by itself draws them.
+            let [lens, direction, lobe, _] = paths.common.samplers[lane].bounce_pairs(bounce);
+            events.u_lens[0].set(lane, lens[0]);
+            events.u_lens[1].set(lane, lens[1]);
+            let u = [lobe[0], direction[0], direction[1]];
             for (lanes, u) in events.u_direction.iter_mut().zip(u) {
                 lanes.set(lane, u);
             }
-            events.u_roulette.set(lane, sampler.next_1d());
+            events.u_roulette.set(lane, lobe[1]);
         }
 
         // What scatters there, seen by the lens.

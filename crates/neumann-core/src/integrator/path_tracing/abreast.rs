@@ -14,10 +14,10 @@ use crate::radiometry::Rgb;
 use crate::render::{PixelPath, PixelPlace, Pixels, Sink};
 use crate::sampling::roulette;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
-use crate::transport::reflection::{Aimed, Drawn, light_sample};
+use crate::transport::reflection::{Aimed, Drawn};
 use crate::transport::{Tracer, are_apart};
 
-use super::bsdf::{MODE, bsdf_numbers};
+use super::bsdf::MODE;
 use super::connect;
 use super::mis::{Path, Walk};
 
@@ -206,14 +206,14 @@ impl<'a> Step<'a> {
         let lights = walk.scene.lights();
         for lane in lanes_of(abreast) {
             let bounce = paths.common.bounce(lane);
-            let sampler = &mut paths.common.samplers[lane];
-            let u = bsdf_numbers(sampler, bounce);
+            // In the order in which a step by itself draws them.
+            let [direction, lobe, light, point] = paths.common.samplers[lane].bounce_pairs(bounce);
+            let u = [lobe[0], direction[0], direction[1]];
             for (lanes, u) in events.u_direction.iter_mut().zip(u) {
                 lanes.set(lane, u);
             }
-            let u = light_sample(sampler);
-            events.u_roulette.set(lane, sampler.next_1d());
-            let choice = lights.choose(&vertices.receiver(lane), walk.choice, u.choice[0]);
+            events.u_roulette.set(lane, lobe[1]);
+            let choice = lights.choose(&vertices.receiver(lane), walk.choice, light[0]);
             let Some((index, pmf)) = choice else {
                 events.panels.clear(lane);
                 continue;
@@ -223,7 +223,7 @@ impl<'a> Step<'a> {
                 _ => None,
             };
             match panel {
-                Some(panel) => events.panels.set(lane, &panel, pmf, u.point),
+                Some(panel) => events.panels.set(lane, &panel, pmf, point),
                 None => {
                     paths.step(walk, lane, hits[lane].as_ref(), tracer, sink);
                     abreast &= !(1 << lane);

@@ -124,21 +124,21 @@ impl<'a> Sampler<'a> {
     /// The first pairs of numbers of bounce `k`, as [`Self::next_2d`] would draw them after [`Self::start_bounce`].
     #[inline(always)]
     pub(crate) fn bounce_pairs(&self, k: u32) -> [[f32; 2]; N_PAIRS] {
-        let unit = self.point((k + 1) * BLOCKS_PER_BOUNCE).map(unit_from_bits);
+        let point = match &self.pixel {
+            Some(pixel) => pixel.first_point(self.key, k + 1),
+            None => scrambled_point(self.key, (k + 1) * BLOCKS_PER_BOUNCE, self.iteration),
+        };
+        let unit = point.map(unit_from_bits);
         std::array::from_fn(|i| [unit[i], unit[i + N_PAIRS]])
-    }
-
-    #[inline(always)]
-    fn point(&self, block: u32) -> Point {
-        match &self.pixel {
-            Some(pixel) => pixel.point(self.key, block),
-            None => scrambled_point(self.key, block, self.iteration),
-        }
     }
 
     #[inline(never)]
     fn make_block(&mut self) {
-        let unit = self.point(self.block).map(unit_from_bits);
+        let point = match &self.pixel {
+            Some(pixel) => pixel.point(self.key, self.block),
+            None => scrambled_point(self.key, self.block, self.iteration),
+        };
+        let unit = point.map(unit_from_bits);
         self.pairs = [0, 1].map(|half| std::array::from_fn(|i| unit[half * N_PAIRS + i]));
         self.block += 1;
         self.next = 0;

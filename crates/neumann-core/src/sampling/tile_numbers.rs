@@ -124,11 +124,18 @@ impl TileNumbers {
     /// The point that all pixels have in a block.
     #[inline]
     fn common(&self, block: u32) -> Point {
-        let (bounce, i) = (block / BLOCKS_PER_BOUNCE, block % BLOCKS_PER_BOUNCE);
-        match self.kept[..self.n_kept].get((2 * bounce + i) as usize) {
-            Some(point) if i < 2 => *point,
-            _ => scrambled_point(self.tile_key, block, self.iteration),
+        match self.kept(block) {
+            Some(point) => *point,
+            None => scrambled_point(self.tile_key, block, self.iteration),
         }
+    }
+
+    /// The same, if it was made in advance.
+    #[inline(always)]
+    fn kept(&self, block: u32) -> Option<&Point> {
+        let (bounce, i) = (block / BLOCKS_PER_BOUNCE, block % BLOCKS_PER_BOUNCE);
+        let point = self.kept[..self.n_kept].get((2 * bounce + i) as usize);
+        point.filter(|_| i < 2)
     }
 }
 
@@ -149,12 +156,41 @@ impl Pixel<'_> {
             return point;
         }
         for (i, digits) in point.chunks_exact_mut(2).enumerate() {
-            let random = random_bits(key, u64::from(block) * N_PAIRS as u64 + i as u64);
+            let random = random_shift(key, block, i);
             digits[0] ^= random as u32;
             digits[1] ^= (random >> 32) as u32;
         }
         point
     }
+
+    /// The same for the first block of a bounce (the camera's counts as number 0), for whoever goes from paths at one bounce to paths
+    /// at another: which of the two shifts it is, no processor can predict then, so both are found.
+    #[inline(always)]
+    pub(super) fn first_point(&self, key: u64, bounce: u32) -> Point {
+        let block = bounce * BLOCKS_PER_BOUNCE;
+        let made;
+        let common = match self.numbers.kept(block) {
+            Some(point) => point,
+            None => {
+                made = self.numbers.common(block);
+                &made
+            }
+        };
+        let spread_over = (bounce as usize).min(N_JOINT_BLOCKS - 1);
+        let spread = &self.numbers.shifts[spread_over][self.in_tile as usize];
+        let is_spread = u32::from(bounce as usize == spread_over).wrapping_neg();
+        let random: [u64; N_PAIRS] = std::array::from_fn(|i| random_shift(key, block, i));
+        std::array::from_fn(|i| {
+            let random = (random[i / 2] >> (32 * (i % 2))) as u32;
+            common[i] ^ (spread[i] & is_spread | random & !is_spread)
+        })
+    }
+}
+
+/// The random shift of numbers 2 i and 2 i + 1 of a block.
+#[inline(always)]
+fn random_shift(key: u64, block: u32, i: usize) -> u64 {
+    random_bits(key, u64::from(block) * N_PAIRS as u64 + i as u64)
 }
 
 /// Element number `index` of the generator `wyrand` (Wang Yi 2019) that starts from a key.

@@ -27,6 +27,9 @@ pub struct Bvh {
     quality: TreeQuality,
 }
 
+/// Preparing sixteen rays in vectors takes as long as preparing about so many one by one.
+const FEWEST_ABREAST: u32 = 6;
+
 /// How much work goes into a tree. What a ray meets is the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TreeQuality {
@@ -178,7 +181,7 @@ impl Bvh {
     /// What the rays meet first, if anything.
     pub(crate) fn closest_hits(&self, rays: &RayLanes) -> HitLanes {
         let mut found = [None; LANES];
-        if self.instances.is_some() || self.tree.nodes.is_empty() {
+        if !self.begins_abreast(rays) {
             for lane in lanes_of(rays.mask()) {
                 found[lane] = self.closest_hit(&rays.get(lane));
             }
@@ -197,7 +200,7 @@ impl Bvh {
 
     /// One bit for each lane of which anything is in the way of the ray before its end.
     pub(crate) fn occluded(&self, rays: &RayLanes) -> u32 {
-        if self.instances.is_some() || self.tree.nodes.is_empty() {
+        if !self.begins_abreast(rays) {
             let bit = |lane: usize| u32::from(self.is_occluded(&rays.get(lane))) << lane;
             return lanes_of(rays.mask()).fold(0, |mask, lane| mask | bit(lane));
         }
@@ -208,6 +211,14 @@ impl Bvh {
             #[cfg(target_arch = "x86_64")]
             Kernel::Avx512 => avx2::avx512::any_of_lanes(&self.tree, rays),
         }
+    }
+
+    /// True if rays begin their walks together, which is sooner unless they are few.
+    #[inline]
+    fn begins_abreast(&self, rays: &RayLanes) -> bool {
+        rays.mask().count_ones() >= FEWEST_ABREAST
+            && self.instances.is_none()
+            && !self.tree.nodes.is_empty()
     }
 
     /// Boxes (minimum and maximum) that together hold everything that a ray could meet: those of the uppermost nodes, at

@@ -9,9 +9,9 @@
 //! Emitters seen directly are left to the camera (s = 0, t = 2).
 
 use crate::integrator::bidirectional::connect::{
-    connect, hit_emitter, hit_environment, hit_lens, next_event, splat,
+    hit_emitter, hit_environment, hit_lens, next_event, splat,
 };
-use crate::integrator::bidirectional::{Heuristic, Vertex, Walk, Weighing};
+use crate::integrator::bidirectional::{Heuristic, LightSubpath, Walk, Weighing};
 use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
 use crate::render::{Cancelled, Pass};
 use crate::scene::Scene;
@@ -75,7 +75,7 @@ impl Integrator for Bidirectional {
         let n_paths = pass.n_pixels();
         let numbers = pass.light_numbers(n_paths);
         let weighing = Weighing::connections(self.heuristic, 1.0);
-        let room = || Vec::<Vertex<'_>>::with_capacity(32);
+        let room = || LightSubpath::new(scene);
         pass.trace_pixels_with(scene, room, |lights, sample, tracer, sampler, sink| {
             // The light path, each vertex of it aimed at the lens.
             lights.clear();
@@ -141,14 +141,9 @@ impl Integrator for Bidirectional {
                         sink.add(found);
                     }
                     // s ≥ 2: every vertex of the light path that leaves the path short enough.
-                    for light in lights.iter() {
-                        if u32::from(light.n_vertices + vertex.n_vertices) > max_bounces + 2 {
-                            break;
-                        }
-                        if let Some(found) = connect(tracer, &vertex, light, &weighing) {
-                            sink.add(found);
-                        }
-                    }
+                    lights.connect(tracer, &vertex, max_bounces, &weighing, |found| {
+                        sink.add(found);
+                    });
                 }
                 if !walk.scatter(&vertex, sampler, has_roulette, &weighing) {
                     return;

@@ -26,9 +26,9 @@ use crate::transport::reflection::{light_sample, start_sample};
 
 use super::bdpt::{HEURISTIC, heuristic};
 use super::bidirectional::connect::{
-    connect, hit_emitter, hit_environment, hit_lens, next_event, splat,
+    hit_emitter, hit_environment, hit_lens, next_event, splat,
 };
-use super::bidirectional::{Heuristic, Partial, Vertex, Walk, Weighing};
+use super::bidirectional::{Heuristic, LightSubpath, Partial, Vertex, Walk, Weighing};
 use super::light_tracing::{ROULETTE, lens_sample};
 use super::path_tracing::{add_unlit, hit};
 
@@ -203,12 +203,14 @@ impl Integrator for Vcm {
 
         // Second pass: camera paths.
         let per_merge = std::f32::consts::FRAC_1_PI / (radius * radius * n_paths as f32);
-        let room = || Vec::<Vertex<'_>>::with_capacity(32);
+        let room = || LightSubpath::new(scene);
         pass.trace_pixels_with(scene, room, |lights, sample, tracer, sampler, sink| {
             lights.clear();
             if has_connections {
                 let path = paths.of_path(sample.index % n_paths);
-                lights.extend(path.iter().map(|vertex| vertex.restored(tracer)));
+                for vertex in path {
+                    lights.push(vertex.restored(tracer));
+                }
             }
             let u = lens_sample(sampler);
             let mut walk = Walk::from_camera(camera, sample.raster, u, &weighing);
@@ -254,14 +256,9 @@ impl Integrator for Vcm {
                     if let Some((grid, search)) = &near {
                         grid.approach(search);
                     }
-                    for light in lights.iter() {
-                        if u32::from(light.n_vertices + vertex.n_vertices) > max_bounces + 2 {
-                            break;
-                        }
-                        if let Some(found) = connect(tracer, &vertex, light, &weighing) {
-                            sink.add(found);
-                        }
-                    }
+                    lights.connect(tracer, &vertex, max_bounces, &weighing, |found| {
+                        sink.add(found);
+                    });
                 }
                 if let Some((grid, search)) = &near {
                     grid.finish(search, |light, _, _| {

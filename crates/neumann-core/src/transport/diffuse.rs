@@ -118,6 +118,21 @@ impl<'a> DiffuseVertices<'a> {
         self.materials[lane] = found.material;
     }
 
+    /// Puts a vertex into a lane, for [`Self::vertex`]; false, and nothing done, if it is not diffuse.
+    #[inline(always)]
+    pub(crate) fn set_vertex(&mut self, lane: usize, vertex: &SurfaceVertex<'a>) -> bool {
+        let Bsdf::Lambert(Lambert { albedo }) = vertex.bsdf else {
+            return false;
+        };
+        self.albedo.set(lane, Vec3::new(albedo.r, albedo.g, albedo.b));
+        self.wo.set(lane, vertex.wo);
+        self.position.set(lane, vertex.point.position);
+        self.error.set(lane, vertex.point.error);
+        self.ng.set(lane, vertex.point.ng);
+        self.ns.set(lane, vertex.frame.z);
+        true
+    }
+
     /// Computes what follows from the hits of rays, for what is below.
     pub(crate) fn complete(&mut self, rays: &RayLanes) {
         complete(self, rays);

@@ -139,7 +139,7 @@ impl SurfaceVertex<'_> {
     }
 
     /// `f · cos_i` with the densities either way, delta lobes not counted; `None` where nothing is scattered.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn scattering(&self, wi: Vec3, mode: TransportMode) -> Option<Scattering> {
         let wi_local = self.frame.local_from_world(wi);
@@ -147,7 +147,10 @@ impl SurfaceVertex<'_> {
         Some(Scattering {
             f_cos,
             pdf_w_forward,
-            pdf_w_reverse: self.bsdf.pdf_w(wi_local, self.wo_local, mode.reversed()),
+            pdf_w_reverse: match &self.bsdf {
+                Bsdf::Lambert(lambert) => lambert.pdf_w(wi_local, self.wo_local, mode.reversed()),
+                other => other.pdf_w(wi_local, self.wo_local, mode.reversed()),
+            },
         })
     }
 

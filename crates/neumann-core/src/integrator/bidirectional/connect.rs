@@ -9,7 +9,7 @@ use crate::endpoint::{Aim, Camera, LightChoice, Start, StartDensities, SurfacePo
 use crate::film::{Contribution, Strategy};
 use crate::radiometry::Rgb;
 use crate::transport::Tracer;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 /// s = 0: the camera subpath has met an emitter. Seen directly, no other technique competes.
 #[inline]
@@ -149,6 +149,35 @@ pub fn connect(
     light: &Vertex<'_>,
     weighing: &Weighing,
 ) -> Option<Contribution> {
+    let joint = connect_unshadowed(camera, light, weighing)?;
+    let from = &camera.surface;
+    let share = tracer.visibility_between(&from.point, &light.surface.point);
+    if share <= 0.0 {
+        return None;
+    }
+    let through = camera.medium.beyond(from, joint.wi);
+    Some(contribution(
+        joint.value * through.transmittance(joint.distance) * share,
+        joint.mis_weight,
+        Strategy::connect(light.n_vertices, camera.n_vertices),
+    ))
+}
+
+/// Two vertices connected, as if nothing were in between.
+pub(super) struct Joint {
+    pub(super) value: Rgb,
+    pub(super) mis_weight: f32,
+    /// Direction from the camera vertex to the light vertex, and their distance.
+    wi: Vec3,
+    distance: f32,
+}
+
+#[inline(always)]
+pub(super) fn connect_unshadowed(
+    camera: &Vertex<'_>,
+    light: &Vertex<'_>,
+    weighing: &Weighing,
+) -> Option<Joint> {
     let from = &camera.surface;
     let to = &light.surface;
     let apart = to.point.position - from.point.position;
@@ -169,19 +198,13 @@ pub fn connect(
         light_cos: to.cos_g(wi),
         distance_squared,
     };
-    let mis_weight = weighing.connect(camera.partial, light.partial, &joint);
-    let value =
-        camera.throughput * at_camera.f_cos * at_light.f_cos * light.throughput / distance_squared;
-    let share = tracer.visibility_between(&from.point, &to.point);
-    if share <= 0.0 {
-        return None;
-    }
-    let through = camera.medium.beyond(from, wi).transmittance(distance);
-    Some(contribution(
-        value * through * share,
-        mis_weight,
-        Strategy::connect(light.n_vertices, camera.n_vertices),
-    ))
+    Some(Joint {
+        value: camera.throughput * at_camera.f_cos * at_light.f_cos * light.throughput
+            / distance_squared,
+        mis_weight: weighing.connect(camera.partial, light.partial, &joint),
+        wi,
+        distance,
+    })
 }
 
 /// Share of light that gets from a vertex to what it aims at; `None` for none.
@@ -196,7 +219,7 @@ fn seen(tracer: &mut Tracer<'_>, vertex: &Vertex<'_>, aim: &Aim) -> Option<Rgb> 
 }
 
 #[inline]
-fn contribution(value: Rgb, mis_weight: f32, strategy: Strategy) -> Contribution {
+pub(super) fn contribution(value: Rgb, mis_weight: f32, strategy: Strategy) -> Contribution {
     Contribution {
         value,
         mis_weight,

@@ -4,9 +4,11 @@
 //! vertices that are connected, or by subpaths with s + t = n + 1 whose ends are merged. [`walk`]
 //! makes the subpaths, [`connect`] joins them, and [`weights`] says how much each technique counts.
 
+mod abreast;
 pub mod connect;
 pub mod walk;
 pub mod weights;
 
+pub(super) use abreast::LightSubpath;
 pub use walk::{Vertex, Walk};
 pub use weights::{Heuristic, Partial, Weighing};

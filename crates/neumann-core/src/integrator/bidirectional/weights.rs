@@ -121,6 +121,20 @@ impl Weighing {
         }
     }
 
+    /// How densities become weights.
+    #[inline]
+    #[must_use]
+    pub fn heuristic(&self) -> Heuristic {
+        self.heuristic
+    }
+
+    /// The same by another heuristic.
+    #[inline(always)]
+    #[must_use]
+    pub fn with(self, heuristic: Heuristic) -> Self {
+        Self { heuristic, ..self }
+    }
+
     /// True if techniques compete. Where none does, weights are 1 and nothing has to be carried along for them.
     #[inline]
     #[must_use]
@@ -259,7 +273,7 @@ impl Weighing {
     }
 
     /// Weight of connecting two vertices (s ≥ 2, t ≥ 2), (40)-(41).
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn connect(&self, camera: Partial, light: Partial, joint: &JointDensities) -> f32 {
         let d2 = joint.distance_squared;
@@ -288,7 +302,7 @@ impl Weighing {
         )
     }
 
-    #[inline]
+    #[inline(always)]
     fn of(&self, ratio: f32) -> f32 {
         self.heuristic.of(ratio)
     }
@@ -313,7 +327,7 @@ fn first_density(spread: Spread) -> f32 {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn weight(one_side: f32, other_side: f32) -> f32 {
     1.0 / (1.0 + one_side + other_side)
 }

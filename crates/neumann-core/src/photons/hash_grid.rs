@@ -230,6 +230,7 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
                 while inside != 0 {
                     let lane = inside.trailing_zeros() as usize;
                     inside &= inside - 1;
+                    prefetch(&self.entries[first + lane]);
                     near[n_near] = ((first + lane) as u32, distances_squared[lane]);
                     n_near += 1;
                     if n_near == near.len() {

@@ -396,8 +396,10 @@ mod tests {
     use rayon::prelude::*;
 
     use super::super::wide::{STACK_SIZE, WIDTH, WideTree};
-    use super::{Bvh, Kernel, Placement, TreeQuality, for_builder, halves};
+    use super::super::abreast::RayLanes;
+    use super::{Bvh, Hit, Kernel, Placement, TreeQuality, for_builder, halves};
     use crate::math::Ray;
+    use crate::math::lanes::LANES;
     use crate::sampling::{Sampler, warp};
 
     /// A closed, bumpy sphere.
@@ -506,6 +508,53 @@ mod tests {
                 "ray {i}: {answers:?}"
             );
         }
+    }
+
+    #[test]
+    fn rays_abreast_meet_what_they_meet_alone() {
+        let triangles = sphere(40, 1.0);
+        let mut bvh = Bvh::new(&triangles);
+        let (mut n_hits, mut n_occluded) = (0, 0);
+        for i in 0..20_000 {
+            let mut rays = RayLanes::default();
+            for lane in 0..LANES {
+                let mut sampler = Sampler::new(16, i, lane as u32);
+                let origin = warp::uniform_sphere(sampler.next_2d()) * 1.5;
+                let towards = match lane {
+                    // Along the axes, forwards and backwards, where a direction has zeros of either sign.
+                    0 => Vec3::X,
+                    1 => -Vec3::Y,
+                    2 => Vec3::new(-0.0, 0.0, 1.0),
+                    3 => continue,
+                    _ => warp::uniform_sphere(sampler.next_2d()),
+                };
+                let ray = if lane % 2 == 0 {
+                    Ray::new(origin, towards)
+                } else {
+                    Ray::with_end(origin, towards * 1.7, 1.0)
+                };
+                rays.set(lane, &ray);
+            }
+            for kernel in Kernel::available() {
+                bvh.kernel = kernel;
+                let hits = bvh.closest_hits(&rays);
+                let occluded = bvh.occluded(&rays);
+                for lane in 0..LANES {
+                    let is_there = rays.mask() >> lane & 1 != 0;
+                    let alone = is_there.then(|| rays.get(lane));
+                    let bits = |hit: Option<Hit>| {
+                        hit.map(|h| (h.triangle, h.t.to_bits(), h.barycentrics.map(f32::to_bits)))
+                    };
+                    let hit = alone.and_then(|ray| bvh.closest_hit(&ray));
+                    assert_eq!(bits(hits[lane]), bits(hit), "{kernel:?}, {i}, lane {lane}");
+                    let is_occluded = alone.is_some_and(|ray| bvh.is_occluded(&ray));
+                    assert_eq!(occluded >> lane & 1 != 0, is_occluded, "{kernel:?}, {i}");
+                    n_hits += u32::from(hit.is_some());
+                    n_occluded += u32::from(is_occluded);
+                }
+            }
+        }
+        assert!(n_hits > 100_000 && n_occluded > 100_000);
     }
 
     #[test]

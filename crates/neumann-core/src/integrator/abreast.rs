@@ -120,3 +120,45 @@ impl PathLanes<'_> {
         self.bounce.set(lane, bounce);
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use std::sync::Arc;
+
+    use crate::integrator::{Method, ParameterValues};
+    use crate::radiometry::Rgb;
+    use crate::render::{CancelToken, RenderSettings, Renderer, WorkerPool};
+    use crate::scene::Scene;
+    use crate::scene::builtin::builtin;
+    use crate::scene::description::Lens;
+
+    /// Scenes that have, between them, all that paths may join for or have to do by themselves: smooth normals, mirrors and glass,
+    /// coats, a tree of lights, a sky, volumes.
+    pub(in crate::integrator) const SCENES: [&str; 6] =
+        ["cornell", "cornell-glass", "plates", "many", "sky", "pool"];
+
+    /// Two iterations of a scene, seen through a lens, layer by layer.
+    pub(in crate::integrator) fn layers(scene: &str, method: &'static Method) -> Vec<Rgb> {
+        let description = builtin(scene).unwrap().load().unwrap();
+        let scene = Arc::new(Scene::build(&description));
+        let mut settings = RenderSettings::new(scene.cameras()[0].clone(), 40, 30);
+        settings.camera.lens = Some(Lens {
+            aperture: 0.02,
+            focus_distance: 2.0,
+        });
+        settings.method = method;
+        settings.values = ParameterValues::defaults(method.parameters);
+        settings.max_bounces = 20;
+        let pool = WorkerPool::new(Some(2), || ()).unwrap();
+        let mut renderer = Renderer::new(scene, settings, pool, 0);
+        let mut all: Vec<Rgb> = Vec::new();
+        for _ in 0..2 {
+            let frame = renderer.iterate(&CancelToken::default()).unwrap();
+            for tile in 0..frame.grid().n_tiles() {
+                all.extend(frame.layers_of_tile(tile).flatten());
+            }
+        }
+        assert!(all.iter().any(|value| !value.is_black()), "a black picture");
+        all
+    }
+}

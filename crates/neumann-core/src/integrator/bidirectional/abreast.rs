@@ -187,3 +187,89 @@ fn join_lanes(
         joints.is_apart.set(lane, u32::from(are_apart(apart)));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{LightSubpath, connect};
+    use crate::endpoint::Camera;
+    use crate::film::Contribution;
+    use crate::integrator::bidirectional::{Heuristic, Vertex, Walk, Weighing};
+    use crate::sampling::Sampler;
+    use crate::scene::Scene;
+    use crate::scene::builtin::builtin;
+    use crate::transport::Tracer;
+    use crate::transport::reflection::start_sample;
+
+    const MAX_BOUNCES: u32 = 9;
+
+    /// The vertices of a subpath.
+    fn subpath<'a>(
+        mut walk: Walk,
+        tracer: &mut Tracer<'a>,
+        sampler: &mut Sampler<'_>,
+        weighing: &Weighing,
+    ) -> Vec<Vertex<'a>> {
+        let mut vertices = Vec::new();
+        while let Some(vertex) = walk.meet(tracer, weighing) {
+            if vertex.surface.bsdf.has_density() {
+                vertices.push(vertex);
+            }
+            sampler.start_bounce(walk.bounce());
+            if walk.bounce() == MAX_BOUNCES || !walk.scatter(&vertex, sampler, false, weighing) {
+                break;
+            }
+        }
+        vertices
+    }
+
+    #[test]
+    fn connections_at_once_are_those_made_one_by_one() {
+        for name in ["cornell", "cornell-glass", "lamps"] {
+            let scene = Scene::build(&builtin(name).unwrap().load().unwrap());
+            let camera = Camera::new(&scene.cameras()[0], 1, 1);
+            let mut tracer = Tracer::new(&scene);
+            let mut light_subpath = LightSubpath::new(&scene);
+            let (mut n_connections, mut n_abreast) = (0, 0);
+            for heuristic in [Heuristic::Balance, Heuristic::Power, Heuristic::Average] {
+                let weighing = Weighing::connections(heuristic, 1.0).merges(100, 0.01, true);
+                for i in 0..300 {
+                    let mut sampler = Sampler::new(31, i, 0);
+                    let Some(start) = scene.lights().start(&start_sample(&mut sampler)) else {
+                        continue;
+                    };
+                    let walk = Walk::from_light(&start, &weighing);
+                    light_subpath.clear();
+                    let lights = subpath(walk, &mut tracer, &mut sampler, &weighing);
+                    for light in &lights {
+                        light_subpath.push(*light);
+                    }
+                    let mut sampler = Sampler::new(32, i, 0);
+                    let raster = sampler.next_2d().into();
+                    let walk = Walk::from_camera(&camera, raster, sampler.next_2d(), &weighing);
+                    for vertex in subpath(walk, &mut tracer, &mut sampler, &weighing) {
+                        let mut found: Vec<Contribution> = Vec::new();
+                        light_subpath
+                            .connect(&mut tracer, &vertex, MAX_BOUNCES, &weighing, |c| found.push(c));
+                        let is_short = |light: &&Vertex<'_>| {
+                            u32::from(light.n_vertices + vertex.n_vertices) <= MAX_BOUNCES + 2
+                        };
+                        let expected: Vec<Contribution> = lights
+                            .iter()
+                            .filter(is_short)
+                            .filter_map(|light| connect(&mut tracer, &vertex, light, &weighing))
+                            .collect();
+                        let bits = |found: &[Contribution]| -> Vec<_> {
+                            let of = |c: &Contribution| (c.value, c.mis_weight, c.strategy);
+                            found.iter().map(of).collect()
+                        };
+                        assert_eq!(bits(&found), bits(&expected), "{name}, {heuristic:?}");
+                        n_connections += found.len();
+                        n_abreast += light_subpath.diffuse.count_ones();
+                    }
+                }
+            }
+            assert!(n_connections > 1000, "{name}: only {n_connections}");
+            assert!(n_abreast > 1000, "{name}: only {n_abreast}");
+        }
+    }
+}

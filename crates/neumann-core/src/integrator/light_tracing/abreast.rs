@@ -210,3 +210,55 @@ vectorized! {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::integrator::abreast::tests::{SCENES, layers};
+    use crate::integrator::light_tracing::{METHOD, Walk};
+    use crate::integrator::{Integrator, Method};
+    use crate::render::{Cancelled, Pass};
+    use crate::scene::Scene;
+
+    /// The same particles, one after the other.
+    struct OneByOne;
+
+    impl Integrator for OneByOne {
+        fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
+            let n_paths = pass.n_pixels();
+            let walk = Walk {
+                scene,
+                camera: pass.camera(),
+                n_paths,
+                max_bounces: pass.max_bounces(),
+                has_roulette: true,
+            };
+            let numbers = pass.light_numbers(n_paths);
+            pass.trace_light_paths_together(scene, n_paths, numbers, |paths, tracer, sink| {
+                for mut sampler in paths {
+                    let mut next = walk.start(tracer, &mut sampler, sink);
+                    while let Some(path) = next {
+                        let found = tracer.hit(&path.ray);
+                        next = walk.step(path, found.as_ref(), tracer, &mut sampler, sink);
+                    }
+                }
+            })
+        }
+    }
+
+    static ONE_BY_ONE: Method = Method {
+        build: |_| Box::new(OneByOne),
+        ..METHOD
+    };
+
+    #[test]
+    fn particles_abreast_are_those_that_walk_by_themselves() {
+        for scene in SCENES {
+            let (abreast, alone) = (layers(scene, &METHOD), layers(scene, &ONE_BY_ONE));
+            // What falls on one pixel may be added in another order.
+            for (a, b) in abreast.iter().zip(&alone) {
+                let apart = (*a - *b).map(f32::abs).max_channel();
+                assert!(apart <= 1e-5 * b.max_channel(), "{scene}: {a:?}, {b:?}");
+            }
+        }
+    }
+}

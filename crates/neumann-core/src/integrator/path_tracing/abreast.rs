@@ -319,3 +319,51 @@ vectorized! {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::integrator::abreast::tests::{SCENES, layers};
+    use crate::integrator::path_tracing::mis::{METHOD, Path, Walk};
+    use crate::integrator::{Integrator, Method};
+    use crate::render::{Cancelled, Pass};
+    use crate::scene::Scene;
+
+    /// The same paths, one after the other.
+    struct OneByOne;
+
+    impl Integrator for OneByOne {
+        fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
+            let camera = pass.camera();
+            let walk = Walk {
+                scene,
+                max_bounces: pass.max_bounces(),
+                choice: crate::endpoint::LightChoice::TreeBesideBsdf,
+                has_roulette: true,
+            };
+            pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
+                let mut path = Path::new(camera.ray(raster, sampler.next_2d()).ray);
+                loop {
+                    let found = tracer.hit(&path.ray);
+                    match walk.step(path, found.as_ref(), tracer, sampler, sink) {
+                        Some(next) => path = next,
+                        None => return,
+                    }
+                }
+            })
+        }
+    }
+
+    static ONE_BY_ONE: Method = Method {
+        build: |_| Box::new(OneByOne),
+        ..METHOD
+    };
+
+    #[test]
+    fn paths_abreast_are_those_that_walk_by_themselves() {
+        for scene in SCENES {
+            let (abreast, alone) = (layers(scene, &METHOD), layers(scene, &ONE_BY_ONE));
+            let n_other = abreast.iter().zip(&alone).filter(|(a, b)| a != b).count();
+            assert_eq!(n_other, 0, "{scene}: so many of {} values", alone.len());
+        }
+    }
+}

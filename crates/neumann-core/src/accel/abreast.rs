@@ -59,7 +59,13 @@ impl RayLanes {
 
     /// Gives a lane another ray with the same end, if it is to be there.
     #[inline(always)]
-    pub(crate) fn replace(&mut self, lane: usize, is_replaced: bool, origin: Vec3, direction: Vec3) {
+    pub(crate) fn replace(
+        &mut self,
+        lane: usize,
+        is_replaced: bool,
+        origin: Vec3,
+        direction: Vec3,
+    ) {
         let origin = select_vec3(is_replaced, origin, self.origin.get(lane));
         let direction = select_vec3(is_replaced, direction, self.direction.get(lane));
         self.origin.set(lane, origin);
@@ -135,7 +141,11 @@ impl PreparedLanes {
             let scale = pick(inverse[0], inverse[1], inverse[2]);
             let (next, other) = (pick(d[1], d[2], d[0]), pick(d[2], d[0], d[1]));
             let is_back = scale.to_bits() >> 31 != 0;
-            let across = if is_back { [other, next] } else { [next, other] };
+            let across = if is_back {
+                [other, next]
+            } else {
+                [next, other]
+            };
             for axis in 0..3 {
                 prepared.inverse[axis].set(lane, inverse[axis]);
                 prepared.is_negative[axis].set(lane, is_negative[axis]);
@@ -197,7 +207,11 @@ impl BoxHitLanes {
                     let (o, inverse) = (origin[axis], prepared.inverse[axis].get(lane));
                     let is_negative = prepared.is_negative[axis].get(lane) != 0;
                     let (low, high) = (low[axis], high[axis]);
-                    let (first, last) = if is_negative { (high, low) } else { (low, high) };
+                    let (first, last) = if is_negative {
+                        (high, low)
+                    } else {
+                        (low, high)
+                    };
                     let t = (first - o) * inverse;
                     near = if t > near { t } else { near };
                     let t = (last - o) * inverse;

@@ -395,8 +395,8 @@ mod tests {
     use glam::{Affine3A, Quat, Vec3};
     use rayon::prelude::*;
 
-    use super::super::wide::{STACK_SIZE, WIDTH, WideTree};
     use super::super::abreast::RayLanes;
+    use super::super::wide::{STACK_SIZE, WIDTH, WideTree};
     use super::{Bvh, Hit, Kernel, Placement, TreeQuality, for_builder, halves};
     use crate::math::Ray;
     use crate::math::lanes::LANES;
@@ -539,14 +539,14 @@ mod tests {
                 bvh.kernel = kernel;
                 let hits = bvh.closest_hits(&rays);
                 let occluded = bvh.occluded(&rays);
-                for lane in 0..LANES {
+                for (lane, found) in hits.into_iter().enumerate() {
                     let is_there = rays.mask() >> lane & 1 != 0;
                     let alone = is_there.then(|| rays.get(lane));
                     let bits = |hit: Option<Hit>| {
                         hit.map(|h| (h.triangle, h.t.to_bits(), h.barycentrics.map(f32::to_bits)))
                     };
                     let hit = alone.and_then(|ray| bvh.closest_hit(&ray));
-                    assert_eq!(bits(hits[lane]), bits(hit), "{kernel:?}, {i}, lane {lane}");
+                    assert_eq!(bits(found), bits(hit), "{kernel:?}, {i}, lane {lane}");
                     let is_occluded = alone.is_some_and(|ray| bvh.is_occluded(&ray));
                     assert_eq!(occluded >> lane & 1 != 0, is_occluded, "{kernel:?}, {i}");
                     n_hits += u32::from(hit.is_some());

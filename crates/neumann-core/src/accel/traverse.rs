@@ -391,7 +391,8 @@ impl Prepared {
 
 /// The other axes of the sheared frame, by the axis that the ray runs along most and by whether it does so backwards: a
 /// mirrored frame keeps the sense in which corners go around.
-pub(super) const ACROSS: [[[usize; 2]; 2]; 3] = [[[1, 2], [2, 1]], [[2, 0], [0, 2]], [[0, 1], [1, 0]]];
+pub(super) const ACROSS: [[[usize; 2]; 2]; 3] =
+    [[[1, 2], [2, 1]], [[2, 0], [0, 2]], [[0, 1], [1, 0]]];
 
 /// Where an edge is met as exactly as single precision can tell, double precision decides.
 #[cold]

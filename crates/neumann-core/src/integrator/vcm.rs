@@ -25,9 +25,7 @@ use crate::transport::Tracer;
 use crate::transport::reflection::{light_sample, start_sample};
 
 use super::bdpt::{HEURISTIC, heuristic};
-use super::bidirectional::connect::{
-    hit_emitter, hit_environment, hit_lens, next_event, splat,
-};
+use super::bidirectional::connect::{hit_emitter, hit_environment, hit_lens, next_event, splat};
 use super::bidirectional::{Heuristic, LightSubpath, Partial, Vertex, Walk, Weighing};
 use super::light_tracing::{ROULETTE, lens_sample};
 use super::path_tracing::{add_unlit, hit};

@@ -107,8 +107,7 @@ impl<'a> DiffuseVertices<'a> {
         self.edges[1].set(lane, facet.edges[1]);
         self.ng.set(lane, facet.ng);
         self.normal.set(lane, found.normal.unwrap_or(facet.ng));
-        self.is_smooth
-            .set(lane, u32::from(found.normal.is_some()));
+        self.is_smooth.set(lane, u32::from(found.normal.is_some()));
         self.t.set(lane, hit.t);
         self.triangle.set(lane, hit.triangle);
         self.barycentrics[0].set(lane, hit.barycentrics[0]);
@@ -124,7 +123,8 @@ impl<'a> DiffuseVertices<'a> {
         let Bsdf::Lambert(Lambert { albedo }) = vertex.bsdf else {
             return false;
         };
-        self.albedo.set(lane, Vec3::new(albedo.r, albedo.g, albedo.b));
+        self.albedo
+            .set(lane, Vec3::new(albedo.r, albedo.g, albedo.b));
         self.wo.set(lane, vertex.wo);
         self.position.set(lane, vertex.point.position);
         self.error.set(lane, vertex.point.error);

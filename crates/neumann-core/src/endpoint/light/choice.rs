@@ -150,12 +150,7 @@ impl Chooser {
     }
 
     #[inline(never)]
-    fn by_importance(
-        &self,
-        at: &Receiver,
-        is_beside_bsdf: bool,
-        u: f32,
-    ) -> Option<(usize, f32)> {
+    fn by_importance(&self, at: &Receiver, is_beside_bsdf: bool, u: f32) -> Option<(usize, f32)> {
         let distant = self.distant(is_beside_bsdf);
         if self.tree.is_empty() {
             return distant.map(|d| d.sample(u));

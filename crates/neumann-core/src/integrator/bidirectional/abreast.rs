@@ -159,7 +159,10 @@ fn join_lanes(
     joints: &mut JointLanes,
 ) {
     let camera = Vertex {
-        surface: SurfaceVertex { bsdf: Bsdf::Lambert(lambert), ..camera.surface },
+        surface: SurfaceVertex {
+            bsdf: Bsdf::Lambert(lambert),
+            ..camera.surface
+        },
         ..*camera
     };
     for lane in 0..LANES {
@@ -177,7 +180,9 @@ fn join_lanes(
         let joint = connect_unshadowed(&camera, &light, weighing);
         let value = joint.as_ref().map_or(Rgb::BLACK, |joint| joint.value);
         joints.value.set(lane, Vec3::new(value.r, value.g, value.b));
-        joints.mis_weight.set(lane, joint.as_ref().map_or(0.0, |joint| joint.mis_weight));
+        joints
+            .mis_weight
+            .set(lane, joint.as_ref().map_or(0.0, |joint| joint.mis_weight));
         joints.is_joined.set(lane, u32::from(joint.is_some()));
         let (from, to) = (&camera.surface.point, &light.surface.point);
         let towards = to.position - from.position;
@@ -248,8 +253,9 @@ mod tests {
                     let walk = Walk::from_camera(&camera, raster, sampler.next_2d(), &weighing);
                     for vertex in subpath(walk, &mut tracer, &mut sampler, &weighing) {
                         let mut found: Vec<Contribution> = Vec::new();
-                        light_subpath
-                            .connect(&mut tracer, &vertex, MAX_BOUNCES, &weighing, |c| found.push(c));
+                        light_subpath.connect(&mut tracer, &vertex, MAX_BOUNCES, &weighing, |c| {
+                            found.push(c);
+                        });
                         let is_short = |light: &&Vertex<'_>| {
                             u32::from(light.n_vertices + vertex.n_vertices) <= MAX_BOUNCES + 2
                         };

@@ -143,8 +143,7 @@ impl Paths {
             power,
             ..
         } = *path;
-        self.common
-            .set(lane, &path.ray, throughput, medium, bounce);
+        self.common.set(lane, &path.ray, throughput, medium, bounce);
         self.power.set(lane, power);
     }
 }

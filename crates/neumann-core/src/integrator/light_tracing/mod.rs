@@ -191,11 +191,7 @@ fn see_vertex(
 
 /// The same as if nothing were in the way.
 #[inline(always)]
-fn see_unshadowed(
-    camera: &Camera,
-    vertex: &SurfaceVertex<'_>,
-    u: [f32; 2],
-) -> Option<(Seen, Aim)> {
+fn see_unshadowed(camera: &Camera, vertex: &SurfaceVertex<'_>, u: [f32; 2]) -> Option<(Seen, Aim)> {
     let (aim, raster) = camera.aim(vertex.point.position, u)?;
     let f_cos = vertex.f_cos(aim.wi, MODE);
     let seen = Seen {

@@ -49,10 +49,7 @@ pub(super) fn trace(
                 scene, max_bounces, ..
             } = *walk;
             let vertices = &mut step.vertices;
-            if paths
-                .common
-                .join(scene, max_bounces, lane, &hits, vertices)
-            {
+            if paths.common.join(scene, max_bounces, lane, &hits, vertices) {
                 step.joined |= 1 << lane;
             } else {
                 paths.step(walk, lane, hits[lane].as_ref(), tracer, sink);
@@ -133,8 +130,7 @@ impl<'t> Paths<'t> {
             bounce,
             ..
         } = *path;
-        self.common
-            .set(lane, &path.ray, throughput, medium, bounce);
+        self.common.set(lane, &path.ray, throughput, medium, bounce);
         self.n_events.set(lane, path.n_events);
         let drawn = &mut self.drawn;
         drawn.pdf_w.set(lane, path.drawn.map_or(0.0, |d| d.pdf_w));

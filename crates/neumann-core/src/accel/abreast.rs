@@ -10,7 +10,7 @@ use super::Hit;
 use super::traverse::{ACROSS, BoxHits, FAR_PADDING, Prepared};
 use super::wide::{Node, WIDTH};
 use crate::math::Ray;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, select_vec3};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
 
 /// A ray in each lane, or none.
 #[derive(Clone, Debug, Default)]
@@ -66,10 +66,8 @@ impl RayLanes {
         origin: Vec3,
         direction: Vec3,
     ) {
-        let origin = select_vec3(is_replaced, origin, self.origin.get(lane));
-        let direction = select_vec3(is_replaced, direction, self.direction.get(lane));
-        self.origin.set(lane, origin);
-        self.direction.set(lane, direction);
+        self.origin.set_if(is_replaced, lane, origin);
+        self.direction.set_if(is_replaced, lane, direction);
     }
 
     /// Puts a segment into a lane, from a point to another one at the given distance in all three directions; not there before

@@ -5,12 +5,10 @@
 //! lanes ([`crate::transport::diffuse`]); from anywhere else, by itself. Either way the step is the same to the last bit: both
 //! are made of the same functions.
 
-use glam::Vec3;
-
 use crate::accel::{HitLanes, RayLanes};
 use crate::math::Ray;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, select_vec3};
-use crate::radiometry::Rgb;
+use crate::math::lanes::{LANES, Lanes};
+use crate::radiometry::{Rgb, RgbLanes};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::transport::Medium;
@@ -20,7 +18,7 @@ use crate::transport::diffuse::{DiffuseHit, DiffuseSamples, DiffuseVertices};
 pub(super) struct PathLanes<'t> {
     /// Their rays; a lane without one has no path.
     pub(super) rays: RayLanes,
-    throughput: Vec3Lanes,
+    throughput: RgbLanes,
     bounce: Lanes<u32>,
     pub(super) media: [Medium; LANES],
     pub(super) samplers: [Sampler<'t>; LANES],
@@ -30,7 +28,7 @@ impl Default for PathLanes<'_> {
     fn default() -> Self {
         Self {
             rays: RayLanes::default(),
-            throughput: Vec3Lanes::default(),
+            throughput: RgbLanes::default(),
             bounce: Lanes::default(),
             media: [Medium::VACUUM; LANES],
             samplers: std::array::from_fn(|_| Sampler::new(0, 0, 0)),
@@ -42,7 +40,7 @@ impl PathLanes<'_> {
     /// What the step before has left of a path's throughput.
     #[inline(always)]
     pub(super) fn throughput(&self, lane: usize) -> Rgb {
-        Rgb::from(self.throughput.get(lane).to_array())
+        self.throughput.get(lane)
     }
 
     /// Scattering events so far.
@@ -62,15 +60,9 @@ impl PathLanes<'_> {
         bounce: u32,
     ) {
         self.rays.set(lane, ray);
-        self.set_throughput(lane, throughput);
+        self.throughput.set(lane, throughput);
         self.media[lane] = medium;
         self.bounce.set(lane, bounce);
-    }
-
-    #[inline(always)]
-    fn set_throughput(&mut self, lane: usize, throughput: Rgb) {
-        let Rgb { r, g, b } = throughput;
-        self.throughput.set(lane, Vec3::new(r, g, b));
     }
 
     /// Takes a path out of its lane.
@@ -111,9 +103,7 @@ impl PathLanes<'_> {
         samples: &DiffuseSamples,
         throughput: Rgb,
     ) {
-        let Rgb { r, g, b } = throughput;
-        let throughput = select_vec3(is_abreast, Vec3::new(r, g, b), self.throughput.get(lane));
-        self.throughput.set(lane, throughput);
+        self.throughput.set_if(is_abreast, lane, throughput);
         let (origin, direction) = samples.ray(lane);
         self.rays.replace(lane, is_abreast, origin, direction);
         let bounce = self.bounce.get(lane) + u32::from(is_abreast);

@@ -40,6 +40,14 @@ impl<T: Copy> Lanes<T> {
     }
 }
 
+impl Lanes<f32> {
+    /// Sets a lane if `is_set`, without a branch.
+    #[inline(always)]
+    pub(crate) fn set_if(&mut self, is_set: bool, lane: usize, value: f32) {
+        self.0[lane] = select(is_set, value, self.0[lane]);
+    }
+}
+
 impl Vec3Lanes {
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> Vec3 {
@@ -52,6 +60,14 @@ impl Vec3Lanes {
         self.y.0[lane] = value.y;
         self.z.0[lane] = value.z;
     }
+
+    /// Sets a lane if `is_set`, without a branch.
+    #[inline(always)]
+    pub(crate) fn set_if(&mut self, is_set: bool, lane: usize, value: Vec3) {
+        self.x.set_if(is_set, lane, value.x);
+        self.y.set_if(is_set, lane, value.y);
+        self.z.set_if(is_set, lane, value.z);
+    }
 }
 
 /// `a` or `b`, without a branch.
@@ -59,16 +75,6 @@ impl Vec3Lanes {
 pub(crate) fn select(is_first: bool, a: f32, b: f32) -> f32 {
     let mask = u32::from(is_first).wrapping_neg();
     f32::from_bits(a.to_bits() & mask | b.to_bits() & !mask)
-}
-
-/// `a` or `b`, without a branch.
-#[inline(always)]
-pub(crate) fn select_vec3(is_first: bool, a: Vec3, b: Vec3) -> Vec3 {
-    Vec3::new(
-        select(is_first, a.x, b.x),
-        select(is_first, a.y, b.y),
-        select(is_first, a.z, b.z),
-    )
 }
 
 /// The lanes of which the bit is set.

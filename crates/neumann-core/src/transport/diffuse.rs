@@ -13,7 +13,7 @@ use crate::endpoint::{Receiver, SurfacePoint};
 use crate::material::Material;
 use crate::math::Frame;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, vectorized};
-use crate::radiometry::Rgb;
+use crate::radiometry::{Rgb, RgbLanes};
 use crate::scene::Scene;
 use crate::scene::geometry::Facet;
 
@@ -64,7 +64,7 @@ pub(crate) struct DiffuseVertices<'a> {
     t: Lanes<f32>,
     triangle: Lanes<u32>,
     barycentrics: [Lanes<f32>; 2],
-    albedo: Vec3Lanes,
+    albedo: RgbLanes,
     materials: [&'a Material; LANES],
     // What is computed of it.
     wo: Vec3Lanes,
@@ -87,7 +87,7 @@ impl<'a> DiffuseVertices<'a> {
             t: Lanes::default(),
             triangle: Lanes::default(),
             barycentrics: [Lanes::default(); 2],
-            albedo: Vec3Lanes::default(),
+            albedo: RgbLanes::default(),
             // A scene has a material for what has none of its own.
             materials: [&scene.materials()[0]; LANES],
             wo: Vec3Lanes::default(),
@@ -112,8 +112,7 @@ impl<'a> DiffuseVertices<'a> {
         self.triangle.set(lane, hit.triangle);
         self.barycentrics[0].set(lane, hit.barycentrics[0]);
         self.barycentrics[1].set(lane, hit.barycentrics[1]);
-        let Rgb { r, g, b } = found.lambert.albedo;
-        self.albedo.set(lane, Vec3::new(r, g, b));
+        self.albedo.set(lane, found.lambert.albedo);
         self.materials[lane] = found.material;
     }
 
@@ -123,8 +122,7 @@ impl<'a> DiffuseVertices<'a> {
         let Bsdf::Lambert(Lambert { albedo }) = vertex.bsdf else {
             return false;
         };
-        self.albedo
-            .set(lane, Vec3::new(albedo.r, albedo.g, albedo.b));
+        self.albedo.set(lane, albedo);
         self.wo.set(lane, vertex.wo);
         self.position.set(lane, vertex.point.position);
         self.error.set(lane, vertex.point.error);
@@ -170,7 +168,7 @@ impl<'a> DiffuseVertices<'a> {
             wo_local: frame.local_from_world(wo),
             distance: self.t.get(lane),
             bsdf: Bsdf::Lambert(Lambert {
-                albedo: Rgb::from(self.albedo.get(lane).to_array()),
+                albedo: self.albedo.get(lane),
             }),
             material: self.materials[lane],
             opacity: 1.0,
@@ -184,7 +182,7 @@ impl<'a> DiffuseVertices<'a> {
 #[derive(Default)]
 pub(crate) struct DiffuseSamples {
     /// What the step multiplies the throughput by.
-    factor: Vec3Lanes,
+    factor: RgbLanes,
     origin: Vec3Lanes,
     direction: Vec3Lanes,
     pdf_w: Lanes<f32>,
@@ -195,7 +193,7 @@ impl DiffuseSamples {
     /// `f cos / pdf`, black where nothing was drawn.
     #[inline(always)]
     pub(crate) fn factor(&self, lane: usize) -> Rgb {
-        Rgb::from(self.factor.get(lane).to_array())
+        self.factor.get(lane)
     }
 
     /// Origin and direction of the next ray.
@@ -229,8 +227,7 @@ vectorized! {
                 pdf_w: 1.0,
                 is_delta: false,
             });
-            let Rgb { r, g, b } = sample.throughput();
-            samples.factor.set(lane, Vec3::new(r, g, b));
+            samples.factor.set(lane, sample.throughput());
             samples.origin.set(lane, vertex.point.off_surface(sample.wi));
             samples.direction.set(lane, sample.wi);
             samples.pdf_w.set(lane, sample.pdf_w);

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::area::Panel;
 use crate::endpoint::Aim;
 use crate::math::lanes::{Lanes, Vec3Lanes};
-use crate::radiometry::Rgb;
+use crate::radiometry::{Rgb, RgbLanes};
 
 /// A light to aim at in each lane: a triangle of one radiance, or none.
 #[derive(Default)]
@@ -15,7 +15,7 @@ pub(crate) struct PanelLanes {
     area: Lanes<f32>,
     error: Lanes<f32>,
     is_double_sided: Lanes<u32>,
-    radiance: Vec3Lanes,
+    radiance: RgbLanes,
     /// Probability with which it was chosen, 0 where there is none.
     pmf: Lanes<f32>,
     /// Where on it.
@@ -40,8 +40,7 @@ impl PanelLanes {
         self.error.set(lane, panel.error);
         self.is_double_sided
             .set(lane, u32::from(panel.is_double_sided));
-        let Rgb { r, g, b } = *radiance;
-        self.radiance.set(lane, Vec3::new(r, g, b));
+        self.radiance.set(lane, *radiance);
         self.pmf.set(lane, pmf);
         self.u[0].set(lane, u[0]);
         self.u[1].set(lane, u[1]);
@@ -68,9 +67,8 @@ impl PanelLanes {
         if pmf <= 0.0 {
             return None;
         }
-        let radiance = Rgb::from(self.radiance.get(lane).to_array());
         let u = [self.u[0].get(lane), self.u[1].get(lane)];
-        let mut aim = panel.aim(x, u, radiance)?;
+        let mut aim = panel.aim(x, u, self.radiance.get(lane))?;
         aim.pdf_w *= pmf;
         Some(aim)
     }

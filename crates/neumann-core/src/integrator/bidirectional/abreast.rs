@@ -3,15 +3,13 @@
 //! Where both ends of a connection are diffuse, as most are in most scenes, it is one lane of a vector; the others are
 //! made one by one ([`super::connect::connect`]). Either way they are the same to the last bit.
 
-use glam::Vec3;
-
 use super::connect::{connect, connect_unshadowed, contribution};
 use super::{Heuristic, Partial, Vertex, Weighing};
 use crate::accel::RayLanes;
 use crate::bsdf::{Bsdf, Lambert};
 use crate::film::{Contribution, Strategy};
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
-use crate::radiometry::Rgb;
+use crate::math::lanes::{LANES, Lanes, lanes_of, vectorized};
+use crate::radiometry::{Rgb, RgbLanes};
 use crate::scene::Scene;
 use crate::transport::diffuse::DiffuseVertices;
 use crate::transport::{Medium, SurfaceVertex, Tracer, are_apart};
@@ -31,7 +29,7 @@ pub(in crate::integrator) struct LightSubpath<'a> {
 /// Diffuse vertices, each in the lane of its number.
 struct VertexLanes<'a> {
     surfaces: DiffuseVertices<'a>,
-    throughput: Vec3Lanes,
+    throughput: RgbLanes,
     d_vcm: Lanes<f32>,
     d_vc: Lanes<f32>,
     d_vm: Lanes<f32>,
@@ -40,7 +38,7 @@ struct VertexLanes<'a> {
 /// What a camera vertex makes of them.
 #[derive(Default)]
 struct JointLanes {
-    value: Vec3Lanes,
+    value: RgbLanes,
     mis_weight: Lanes<f32>,
     segments: RayLanes,
     is_joined: Lanes<u32>,
@@ -55,7 +53,7 @@ impl<'a> LightSubpath<'a> {
             diffuse: 0,
             lanes: VertexLanes {
                 surfaces: DiffuseVertices::new(scene),
-                throughput: Vec3Lanes::default(),
+                throughput: RgbLanes::default(),
                 d_vcm: Lanes::default(),
                 d_vc: Lanes::default(),
                 d_vm: Lanes::default(),
@@ -76,8 +74,7 @@ impl<'a> LightSubpath<'a> {
         let lane = self.vertices.len();
         if lane < LANES && self.lanes.surfaces.set_vertex(lane, &vertex.surface) {
             self.diffuse |= 1 << lane;
-            let Rgb { r, g, b } = vertex.throughput;
-            self.lanes.throughput.set(lane, Vec3::new(r, g, b));
+            self.lanes.throughput.set(lane, vertex.throughput);
             self.lanes.d_vcm.set(lane, vertex.partial.d_vcm);
             self.lanes.d_vc.set(lane, vertex.partial.d_vc);
             self.lanes.d_vm.set(lane, vertex.partial.d_vm);
@@ -128,7 +125,7 @@ impl<'a> LightSubpath<'a> {
                 }
             } else if joints.is_joined.get(number) != 0 && shares[number] > 0.0 {
                 add(contribution(
-                    Rgb::from(joints.value.get(number).to_array()) * shares[number],
+                    joints.value.get(number) * shares[number],
                     joints.mis_weight.get(number),
                     Strategy::connect(light.n_vertices, camera.n_vertices),
                 ));
@@ -168,7 +165,7 @@ fn join_lanes(
     for lane in 0..LANES {
         let light = Vertex {
             surface: lights.surfaces.vertex(lane),
-            throughput: Rgb::from(lights.throughput.get(lane).to_array()),
+            throughput: lights.throughput.get(lane),
             partial: Partial {
                 d_vcm: lights.d_vcm.get(lane),
                 d_vc: lights.d_vc.get(lane),
@@ -179,7 +176,7 @@ fn join_lanes(
         };
         let joint = connect_unshadowed(&camera, &light, weighing);
         let value = joint.as_ref().map_or(Rgb::BLACK, |joint| joint.value);
-        joints.value.set(lane, Vec3::new(value.r, value.g, value.b));
+        joints.value.set(lane, value);
         joints
             .mis_weight
             .set(lane, joint.as_ref().map_or(0.0, |joint| joint.mis_weight));

@@ -5,8 +5,8 @@ use glam::{Vec2, Vec3};
 use crate::accel::{Hit, HitLanes, RayLanes};
 use crate::endpoint::Camera;
 use crate::integrator::abreast::PathLanes;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
-use crate::radiometry::Rgb;
+use crate::math::lanes::{LANES, Lanes, lanes_of, vectorized};
+use crate::radiometry::{Rgb, RgbLanes};
 use crate::render::{LightPaths, Sink};
 use crate::sampling::roulette;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
@@ -85,8 +85,7 @@ pub(super) fn trace(
         let shares = tracer.transmittances(&events.sight);
         for lane in lanes_of(abreast) {
             if events.is_seen.get(lane) != 0 && shares[lane] > 0.0 {
-                let seen = Rgb::from(events.seen.get(lane).to_array());
-                let value = seen * shares[lane] / walk.n_paths as f32;
+                let value = events.seen.get(lane) * shares[lane] / walk.n_paths as f32;
                 let [x, y] = [0, 1].map(|i| events.raster[i].get(lane));
                 sink.splat(Vec2::new(x, y), splat(paths.common.bounce(lane) + 1, value));
             }
@@ -155,7 +154,7 @@ struct Events {
     u_direction: [Lanes<f32>; 3],
     u_roulette: Lanes<f32>,
     /// What the lens sees, if nothing is in the way, where on the raster, and the ray that tells.
-    seen: Vec3Lanes,
+    seen: RgbLanes,
     raster: [Lanes<f32>; 2],
     sight: RayLanes,
     is_seen: Lanes<u32>,
@@ -177,8 +176,7 @@ vectorized! {
             let raster = seen.as_ref().map_or(Vec2::ZERO, |(seen, _)| seen.raster);
             let wi = seen.as_ref().map_or(Vec3::ZERO, |(_, aim)| aim.wi);
             let distance = seen.as_ref().map_or(0.0, |(_, aim)| aim.distance);
-            let Rgb { r, g, b } = paths.common.throughput(lane) * share;
-            events.seen.set(lane, Vec3::new(r, g, b));
+            events.seen.set(lane, paths.common.throughput(lane) * share);
             events.raster[0].set(lane, raster.x);
             events.raster[1].set(lane, raster.y);
             let origin = vertex.point.off_surface(wi);

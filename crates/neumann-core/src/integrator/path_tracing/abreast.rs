@@ -9,8 +9,8 @@ use crate::accel::{Hit, HitLanes, RayLanes};
 use crate::endpoint::light::{Light, PanelLanes};
 use crate::endpoint::{Camera, Receiver, SurfacePoint};
 use crate::integrator::abreast::PathLanes;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, select, select_vec3, vectorized};
-use crate::radiometry::Rgb;
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
+use crate::radiometry::{Rgb, RgbLanes};
 use crate::render::{PixelPath, PixelPlace, Pixels, Sink};
 use crate::sampling::roulette;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
@@ -159,7 +159,7 @@ struct Events {
     u_roulette: Lanes<f32>,
     panels: PanelLanes,
     /// What comes from the light, if it is seen, its MIS weight, and the ray that tells.
-    aimed: Vec3Lanes,
+    aimed: RgbLanes,
     mis_weight: Lanes<f32>,
     shadows: RayLanes,
     is_aimed: Lanes<u32>,
@@ -237,7 +237,7 @@ impl<'a> Step<'a> {
         let shares = tracer.transmittances(&events.shadows);
         for lane in lanes_of(abreast) {
             if events.is_aimed.get(lane) != 0 && shares[lane] > 0.0 {
-                let value = Rgb::from(events.aimed.get(lane).to_array()) * shares[lane];
+                let value = events.aimed.get(lane) * shares[lane];
                 let weight = events.mis_weight.get(lane);
                 sink.start_pixel(paths.places[lane]);
                 sink.add(connect(paths.common.bounce(lane) + 1, value, weight));
@@ -276,8 +276,7 @@ vectorized! {
             });
             let wi = aim.map_or(Vec3::ZERO, |aim| aim.wi);
             let throughput = paths.common.throughput(lane);
-            let Rgb { r, g, b } = throughput * aimed.value;
-            events.aimed.set(lane, Vec3::new(r, g, b));
+            events.aimed.set(lane, throughput * aimed.value);
             events.mis_weight.set(lane, aimed.mis_weight());
             let origin = vertex.point.off_surface(wi);
             let apart = light.off_surface(-wi) - origin;
@@ -305,13 +304,12 @@ vectorized! {
             events.goes_on.set(lane, u32::from(goes_on));
             paths.common.go_on(lane, is_abreast, samples, throughput * (1.0 / survival));
             paths.n_events.set(lane, n_events + u32::from(is_abreast));
-            let keep = |a: Vec3, b: Vec3| select_vec3(is_abreast, a, b);
             let receiver = vertices.receiver(lane);
             let drawn = &mut paths.drawn;
-            drawn.position.set(lane, keep(receiver.position, drawn.position.get(lane)));
-            drawn.normal.set(lane, keep(receiver.normal, drawn.normal.get(lane)));
+            drawn.position.set_if(is_abreast, lane, receiver.position);
+            drawn.normal.set_if(is_abreast, lane, receiver.normal);
             drawn.has_both_sides.set(lane, drawn.has_both_sides.get(lane) & u32::from(!is_abreast));
-            drawn.pdf_w.set(lane, select(is_abreast, samples.pdf_w(lane), drawn.pdf_w.get(lane)));
+            drawn.pdf_w.set_if(is_abreast, lane, samples.pdf_w(lane));
         }
     }
 }

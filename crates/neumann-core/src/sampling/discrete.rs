@@ -56,7 +56,7 @@ impl AliasTable {
     #[must_use]
     pub fn sample(&self, u: f32) -> (usize, f32) {
         let scaled = u * self.bins.len() as f32;
-        let i = (scaled as usize).min(self.bins.len() - 1);
+        let i = (scaled as u32 as usize).min(self.bins.len() - 1);
         let bin = self.bins[i];
         let index = if scaled - (i as f32) < bin.threshold {
             i

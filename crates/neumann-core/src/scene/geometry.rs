@@ -6,6 +6,7 @@ use glam::{Affine3A, Mat3, Mat4, Vec2, Vec3, Vec4};
 
 use super::build;
 use crate::accel::{Bvh, TreeQuality};
+use crate::math::prefetch;
 
 /// All triangles of a scene.
 #[derive(Debug)]
@@ -171,6 +172,14 @@ impl Geometry {
     #[must_use]
     pub fn meshes(&self) -> &[PlacedMesh] {
         &self.meshes
+    }
+
+    /// Asks for the facet of a triangle, which is far away in memory where there are many.
+    #[inline(always)]
+    pub(crate) fn approach(&self, triangle: u32) {
+        if let Some(facet) = self.facets.get(triangle as usize) {
+            prefetch(facet);
+        }
     }
 
     /// Shape and place of a triangle.

@@ -92,6 +92,10 @@ impl<'a> Tracer<'a> {
                     found[lane].and_then(|hit| self.first_that_stops(&rays.get(lane), hit));
             }
         }
+        // What is to be read there next, so that all lanes wait for it together.
+        for hit in found.iter().flatten() {
+            self.scene.geometry().approach(hit.triangle);
+        }
         found
     }
 

@@ -3,6 +3,9 @@
 //! Particles start at the lights and carry their share of the power; what scatters where they land is
 //! sent to the lens, if it is seen from there. The walk is that of the path tracer, with
 //! importance for radiance, and pixels are found instead of chosen.
+//!
+//! `Walk::start` and `Walk::step` are the method. `abreast` takes sixteen particles through them side by side, which changes no
+//! bit of what each adds.
 
 mod abreast;
 

@@ -35,6 +35,8 @@ TARGET = 1e-3
 # Samples of the image that errors are relative to, and the most that are taken on the way to the target.
 REFERENCE = 1024
 MOST_SAMPLES = 512
+# Seconds of rest before a measurement: the threads of the one before spin for a while after their last task.
+REST = 0.3
 
 
 def rgb(values):
@@ -242,6 +244,7 @@ def per_sample(programs, spp, rounds):
     for i in range(rounds):
         for name, program in programs.items():
             n = spp.get(name, 16)
+            time.sleep(REST)
             times[name].append(program.render(n, i + 1)[1] * 1000 / n)
     return {name: statistics.median(t) for name, t in times.items()}
 

@@ -113,7 +113,7 @@ fn where_noise_is_uneven_the_same_rays_leave_less_error() {
 }
 
 /// Variance of L over films, mean of the pixels: the mean squared error.
-fn squared_error(batches: &Batches) -> f64 {
+pub(super) fn squared_error(batches: &Batches) -> f64 {
     let n_pixels = batches.films[0].total().len();
     let of_pixel = |pixel: usize| {
         let values: Vec<f64> = batches

@@ -4,6 +4,7 @@ mod adaptive;
 mod adjoint;
 mod agreement;
 mod cameras;
+mod casters;
 mod determinism;
 mod energy;
 mod light_choice;

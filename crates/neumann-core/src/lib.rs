@@ -49,6 +49,7 @@
 //! - \[PBR4\] M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering, 4th edition.
 //! - \[Conty & Kulla 2018\] A. Conty Estevez, C. Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, PACM CGIT 1(2).
 //! - \[Burley 2020\] B. Burley, Practical Hash-based Owen Scrambling, JCGT 9(4).
+//! - T. Hesterberg, Weighted Average Importance Sampling and Defensive Mixture Distributions, Technometrics 37(2), 1995.
 //! - Ph. Dutré, Global Illumination Compendium, 2003.
 //! - Khronos, glTF 2.0 specification and the KHR extensions named where they are used.
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::appearance::Appearance;
+use super::casters::{Caster, casters};
 use super::description::{
     CameraDescription, EnvironmentDescription, LoadReport, Projection, SceneDescription,
 };
@@ -35,6 +36,7 @@ pub struct Scene {
     has_alpha: bool,
     /// `reflectors[mesh]`
     reflectors: Vec<Option<PlainReflector>>,
+    casters: Vec<Caster>,
 }
 
 /// A mesh that scatters alike everywhere, diffusely, and does nothing else: it has neither vertex colours nor a volume. Triangles
@@ -159,6 +161,7 @@ impl Scene {
             lights: dress.lights,
             has_alpha: dress.has_alpha,
             reflectors: dress.reflectors,
+            casters: dress.casters,
         }
     }
 
@@ -188,6 +191,7 @@ impl Scene {
             lights: dress.lights,
             has_alpha: dress.has_alpha,
             reflectors: dress.reflectors,
+            casters: dress.casters,
             ..self.clone()
         }
     }
@@ -263,6 +267,13 @@ impl Scene {
         &self.lights
     }
 
+    /// Mirrors and glass that may cast caustics, [`Caster::MAX`] at most; none where no light can be found by way of them.
+    #[inline]
+    #[must_use]
+    pub fn casters(&self) -> &[Caster] {
+        &self.casters
+    }
+
     /// True if rays may pass through some surface as if it were not there.
     #[inline]
     #[must_use]
@@ -327,6 +338,7 @@ struct Dress {
     lights: Lights,
     has_alpha: bool,
     reflectors: Vec<Option<PlainReflector>>,
+    casters: Vec<Caster>,
 }
 
 fn dress(geometry: &Geometry, images: &[TextureImage], appearance: &Appearance) -> Dress {
@@ -354,6 +366,7 @@ fn dress(geometry: &Geometry, images: &[TextureImage], appearance: &Appearance) 
     };
     Dress {
         reflectors: geometry.meshes().iter().map(reflector).collect(),
+        casters: casters(geometry, &materials, &lights),
         materials,
         lights,
         has_alpha,

@@ -181,8 +181,7 @@ impl<'a> DiffuseVertices<'a> {
 /// Directions drawn at the vertices of all lanes.
 #[derive(Default)]
 pub(crate) struct DiffuseSamples {
-    /// What the step multiplies the throughput by.
-    factor: RgbLanes,
+    f_cos: RgbLanes,
     origin: Vec3Lanes,
     direction: Vec3Lanes,
     pdf_w: Lanes<f32>,
@@ -193,7 +192,7 @@ impl DiffuseSamples {
     /// `f cos / pdf`, black where nothing was drawn.
     #[inline(always)]
     pub(crate) fn factor(&self, lane: usize) -> Rgb {
-        self.factor.get(lane)
+        self.f_cos.get(lane) / self.pdf_w.get(lane)
     }
 
     /// Origin and direction of the next ray.
@@ -206,6 +205,37 @@ impl DiffuseSamples {
     #[inline(always)]
     pub(crate) fn pdf_w(&self, lane: usize) -> f32 {
         self.pdf_w.get(lane)
+    }
+
+    /// All directions with their densities.
+    pub(crate) fn drawn(&self) -> (&Vec3Lanes, &Lanes<f32>) {
+        (&self.direction, &self.pdf_w)
+    }
+
+    /// Puts a direction that was drawn elsewhere in the place of the lane's, if `is_set`, with what the surface at `point` makes of it.
+    #[inline(always)]
+    pub(crate) fn replace(
+        &mut self,
+        is_set: bool,
+        lane: usize,
+        point: &SurfacePoint,
+        wi: Vec3,
+        f_cos_and_pdf_w: Option<(Rgb, f32)>,
+    ) {
+        let is_drawn = u32::from(f_cos_and_pdf_w.is_some());
+        let (f_cos, pdf_w) = f_cos_and_pdf_w.unwrap_or((Rgb::BLACK, 1.0));
+        self.f_cos.set_if(is_set, lane, f_cos);
+        self.origin.set_if(is_set, lane, point.off_surface(wi));
+        self.direction.set_if(is_set, lane, wi);
+        self.pdf_w.set_if(is_set, lane, pdf_w);
+        let before = self.is_drawn.get(lane);
+        let mask = u32::from(is_set).wrapping_neg();
+        self.is_drawn.set(lane, is_drawn & mask | before & !mask);
+    }
+
+    /// Says that the directions have other densities than those of the BSDF.
+    pub(crate) fn set_pdf_w(&mut self, pdf_w: &Lanes<f32>) {
+        self.pdf_w = *pdf_w;
     }
 
     /// False where there is no light this way.
@@ -227,7 +257,7 @@ vectorized! {
                 pdf_w: 1.0,
                 is_delta: false,
             });
-            samples.factor.set(lane, sample.throughput());
+            samples.f_cos.set(lane, sample.f_cos);
             samples.origin.set(lane, vertex.point.off_surface(sample.wi));
             samples.direction.set(lane, sample.wi);
             samples.pdf_w.set(lane, sample.pdf_w);

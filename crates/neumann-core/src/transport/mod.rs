@@ -1,5 +1,6 @@
 //! Steps of paths: meeting a surface, asking who sees whom, one integral of reflection.
 
+pub mod casters;
 pub(crate) mod diffuse;
 mod medium;
 pub mod reflection;

@@ -19,6 +19,8 @@ use crate::sampling::mis::power_heuristic;
 /// Light aimed at from a vertex, before anything is known of what is in between.
 #[derive(Clone, Copy, Debug)]
 pub struct Aimed {
+    /// Its direction.
+    pub wi: Vec3,
     /// `f · cos · L_e / pdf`, 0 if the vertex does not scatter that way.
     pub value: Rgb,
     /// Density of the direction by the choice of lights, 1/sr.
@@ -155,6 +157,7 @@ impl Aimed {
     pub fn at(vertex: &SurfaceVertex<'_>, aim: &Aim) -> Option<Self> {
         let (f_cos, pdf_w) = vertex.f_cos_and_pdf_w(aim.wi, TransportMode::Radiance)?;
         Some(Self {
+            wi: aim.wi,
             value: f_cos * aim.value / aim.pdf_w,
             pdf_w_light: aim.pdf_w,
             pdf_w_bsdf: if aim.is_delta { 0.0 } else { pdf_w },

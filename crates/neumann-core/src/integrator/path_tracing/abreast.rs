@@ -13,6 +13,8 @@ use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
 use crate::radiometry::{Rgb, RgbLanes};
 use crate::render::{PixelPath, PixelPlace, Pixels, Sink};
 use crate::sampling::roulette;
+use crate::scene::Caster;
+use crate::transport::casters::ConeLanes;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
 use crate::transport::reflection::{Aimed, Drawn};
 use crate::transport::{Tracer, are_apart};
@@ -158,8 +160,12 @@ struct Events {
     u_direction: [Lanes<f32>; 3],
     u_roulette: Lanes<f32>,
     panels: PanelLanes,
+    cones: ConeLanes,
     /// What comes from the light, if it is seen, its MIS weight, and the ray that tells.
     aimed: RgbLanes,
+    wi: Vec3Lanes,
+    pdf_w_light: Lanes<f32>,
+    pdf_w_bsdf: Lanes<f32>,
     mis_weight: Lanes<f32>,
     shadows: RayLanes,
     is_aimed: Lanes<u32>,
@@ -229,6 +235,9 @@ impl<'a> Step<'a> {
 
         // Is the light seen?
         aim(vertices, events, paths);
+        if !walk.casters.is_empty() {
+            events.weigh_beside_casters(walk.casters, vertices);
+        }
         let mut shadows = 0;
         for lane in lanes_of(abreast) {
             shadows |= (events.is_aimed.get(lane) & events.is_apart.get(lane)) << lane;
@@ -246,12 +255,42 @@ impl<'a> Step<'a> {
 
         // On to the next vertices.
         vertices.sample(&events.u_direction, MODE, &mut events.samples);
+        if !walk.casters.is_empty() {
+            events.sample_casters(vertices);
+        }
         go_on(vertices, events, paths, abreast, walk.has_roulette);
         for lane in lanes_of(abreast) {
             if events.goes_on.get(lane) == 0 {
                 paths.common.end(lane);
             }
         }
+    }
+}
+
+impl Events {
+    /// MIS weights where some directions are drawn towards casters.
+    fn weigh_beside_casters(&mut self, casters: &[Caster], vertices: &DiffuseVertices<'_>) {
+        self.cones.see(casters, vertices);
+        let Self {
+            cones,
+            wi,
+            pdf_w_light,
+            pdf_w_bsdf,
+            mis_weight,
+            ..
+        } = self;
+        cones.weigh(wi, pdf_w_light, pdf_w_bsdf, mis_weight);
+    }
+
+    /// Draws these directions.
+    fn sample_casters(&mut self, vertices: &DiffuseVertices<'_>) {
+        let Self {
+            cones,
+            u_direction,
+            samples,
+            ..
+        } = self;
+        cones.sample(vertices, u_direction, MODE, samples);
     }
 }
 
@@ -265,6 +304,7 @@ vectorized! {
             let aimed = aim.as_ref().and_then(|aim| Aimed::at(&vertex, aim));
             let is_aimed = aimed.is_some();
             let aimed = aimed.unwrap_or(Aimed {
+                wi: Vec3::ZERO,
                 value: Rgb::BLACK,
                 pdf_w_light: 1.0,
                 pdf_w_bsdf: 0.0,
@@ -278,6 +318,9 @@ vectorized! {
             let throughput = paths.common.throughput(lane);
             events.aimed.set(lane, throughput * aimed.value);
             events.mis_weight.set(lane, aimed.mis_weight());
+            events.wi.set(lane, aimed.wi);
+            events.pdf_w_light.set(lane, aimed.pdf_w_light);
+            events.pdf_w_bsdf.set(lane, aimed.pdf_w_bsdf);
             let origin = vertex.point.off_surface(wi);
             let apart = light.off_surface(-wi) - origin;
             events.shadows.set_segment(lane, origin, apart);
@@ -333,6 +376,7 @@ mod tests {
                 max_bounces: pass.max_bounces(),
                 choice: crate::endpoint::LightChoice::TreeBesideBsdf,
                 has_roulette: true,
+                casters: scene.casters(),
             };
             pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
                 let mut path = Path::new(camera.ray(raster, sampler.next_2d()).ray);

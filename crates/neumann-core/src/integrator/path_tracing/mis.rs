@@ -3,7 +3,8 @@
 //! The last one plus one idea: light is both aimed at and run into, and each way
 //! is weighed by how well it samples the direction, `w_i = p_i² / (p_1² + p_2²)`
 //! ([Veach 1997] 9.2.3.2). A sky of one radiance is not aimed at: the BSDF samples it
-//! as it counts. Long paths end by Russian roulette on their throughput.
+//! as it counts. Where there are mirrors or glass, a diffuse surface sends them some of its paths
+//! ([`crate::transport::casters`]). Long paths end by Russian roulette on their throughput.
 //!
 //! `Walk::step` is the method. `abreast` takes sixteen paths through it side by side, which changes no bit.
 
@@ -14,7 +15,8 @@ use crate::math::Ray;
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass, Sink};
 use crate::sampling::{Sampler, roulette};
-use crate::scene::Scene;
+use crate::scene::{Caster, Scene};
+use crate::transport::casters::Cones;
 use crate::transport::reflection::{Drawn, aim_at_light, light_sample};
 use crate::transport::{Medium, Tracer};
 
@@ -44,6 +46,7 @@ pub static METHOD: Method = Method {
             kind: ParameterKind::Switch { default: true },
         },
         LIGHTS,
+        CASTERS,
         ADAPTIVE,
     ],
     build: |values: &ParameterValues| {
@@ -53,6 +56,7 @@ pub static METHOD: Method = Method {
                 choice => choice,
             },
             has_roulette: values.switch("roulette"),
+            has_casters: values.switch(CASTERS.name),
         };
         if values.switch(ADAPTIVE.name) {
             Box::new(Adaptive::new(mis))
@@ -62,9 +66,19 @@ pub static METHOD: Method = Method {
     },
 };
 
+/// Whether paths are sent to mirrors and glass.
+const CASTERS: Parameter = Parameter {
+    name: "casters",
+    title: "Aim at mirrors and glass",
+    unit: "",
+    about: "Diffuse surfaces send up to a quarter of their paths to mirrors and smooth glass, where caustics come from.",
+    kind: ParameterKind::Switch { default: true },
+};
+
 struct Mis {
     choice: LightChoice,
     has_roulette: bool,
+    has_casters: bool,
 }
 
 impl Integrator for Mis {
@@ -75,6 +89,11 @@ impl Integrator for Mis {
             max_bounces: pass.max_bounces(),
             choice: self.choice,
             has_roulette: self.has_roulette,
+            casters: if self.has_casters {
+                scene.casters()
+            } else {
+                &[]
+            },
         };
         pass.trace_pixels_together(scene, |pixels, tracer, sink| {
             abreast::trace(&walk, camera, pixels, tracer, sink);
@@ -88,6 +107,8 @@ pub(super) struct Walk<'a> {
     pub(super) max_bounces: u32,
     pub(super) choice: LightChoice,
     pub(super) has_roulette: bool,
+    /// What diffuse surfaces send some of their paths to.
+    pub(super) casters: &'a [Caster],
 }
 
 /// A path on its way.
@@ -157,14 +178,20 @@ impl Walk<'_> {
             return None;
         }
 
-        // Draw a direction from the BSDF.
-        let sample = vertex.sample(bsdf_numbers(sampler, bounce), MODE);
+        // Draw a direction from the BSDF, or towards a mirror or glass.
+        let cones = Cones::seen_from(&vertex, self.casters);
+        let u = bsdf_numbers(sampler, bounce);
+        let sample = match &cones {
+            Some(cones) => cones.sample(&vertex, u, MODE),
+            None => vertex.sample(u, MODE),
+        };
 
         // The next event, aimed at, against running into it.
         if vertex.bsdf.has_density() {
             let u = light_sample(sampler);
             if let Some(aimed) = aim_at_light(tracer, &vertex, medium, self.choice, &u) {
                 let value = path.throughput * aimed.value;
+                let aimed = cones.map_or(aimed, |cones| cones.beside(aimed));
                 sink.add(connect(bounce + 1, value, aimed.mis_weight()));
             }
         }

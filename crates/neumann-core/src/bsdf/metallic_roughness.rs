@@ -16,6 +16,7 @@ use super::fresnel::{schlick, schlick_weight};
 use super::microfacet::Ggx;
 use super::{BsdfSample, Conductor, Scatter, TransportMode, albedo_table, is_reflection};
 use crate::radiometry::Rgb;
+use crate::sampling::discrete::one_of_two;
 use crate::sampling::warp;
 
 /// Metal and coated diffuse base, mixed by `metallic`.
@@ -186,7 +187,9 @@ impl Scatter for MetallicRoughness {
         }
         let split_o = self.split(cos_o);
         let p_specular = self.p_specular(split_o);
-        let wi = if u[0] < p_specular {
+        let (is_specular, rest) = one_of_two(u[2], p_specular);
+        let u = [u[1], rest];
+        let wi = if is_specular {
             if self.ggx.is_smooth() {
                 let [f0, f90] = self.specular;
                 return Some(BsdfSample {
@@ -196,9 +199,9 @@ impl Scatter for MetallicRoughness {
                     is_delta: true,
                 });
             }
-            sample_reflected(self.ggx, wo, [u[1], u[2]])?
+            sample_reflected(self.ggx, wo, u)?
         } else {
-            let wi = warp::cosine_hemisphere([u[1], u[2]]);
+            let wi = warp::cosine_hemisphere(u);
             Vec3::new(wi.x, wi.y, wi.z.copysign(wo.z))
         };
         if !is_reflection(wo, wi) {
@@ -211,5 +214,43 @@ impl Scatter for MetallicRoughness {
             pdf_w,
             is_delta: false,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::MetallicRoughness;
+    use crate::bsdf::microfacet::Ggx;
+    use crate::bsdf::{Scatter, TransportMode};
+    use crate::radiometry::Rgb;
+    use crate::sampling::Sampler;
+
+    /// A white sky seen through half of all directions, by few samples of an even sequence: which lobe draws a direction
+    /// is no source of error of its own.
+    #[test]
+    fn lobes_share_an_even_sequence() {
+        const N_SAMPLES: u32 = 16;
+        const N_RUNS: u64 = 4000;
+        let coat = [Rgb::splat(0.2), Rgb::WHITE];
+        let coated = MetallicRoughness::new(Rgb::splat(0.3), 0.0, coat, Ggx { alpha: 0.3 });
+        let wo = Vec3::new(0.5, 0.0, 0.75f32.sqrt());
+        let exact = 0.5 * coated.albedo(wo.z).r;
+        let draw = |sampler: &mut Sampler<'_>| {
+            let [a, b] = sampler.next_2d();
+            let sample = coated.sample(wo, [sampler.next_1d(), a, b], TransportMode::Radiance)?;
+            (sample.wi.y > 0.0).then(|| sample.f.r * sample.wi.z / sample.pdf_w)
+        };
+        let estimate = |seed: u64| {
+            let found = (0..N_SAMPLES).filter_map(|i| draw(&mut Sampler::new(seed, 0, i)));
+            found.sum::<f32>() / N_SAMPLES as f32
+        };
+        let errors = (0..N_RUNS).map(|seed| estimate(seed) - exact);
+        let squared_error = errors.map(|e| e * e).sum::<f32>() / N_RUNS as f32;
+        // That of tossing a coin for each sample; 0.14 of it are left, and 0.27 with a number of its own for the lobe.
+        let of_chance = exact * exact / N_SAMPLES as f32;
+        let ratio = squared_error / of_chance;
+        assert!(ratio < 0.18, "{ratio}");
     }
 }

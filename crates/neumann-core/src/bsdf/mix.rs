@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::{BsdfSample, Dielectric, MetallicRoughness, Scatter, TransportMode};
 use crate::radiometry::Rgb;
+use crate::sampling::discrete::one_of_two;
 
 /// A linear mix of an opaque material and glass.
 #[derive(Clone, Copy, Debug)]
@@ -38,11 +39,11 @@ impl Scatter for Mix {
     #[inline(never)]
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample> {
         let share = self.glass_share;
-        let (mut sample, p) = if u[0] < share {
-            let u = [u[0] / share, u[1], u[2]];
+        let (is_glass, rest) = one_of_two(u[2], share);
+        let u = [u[0], u[1], rest];
+        let (mut sample, p) = if is_glass {
             (self.glass.sample(wo, u, mode)?, share)
         } else {
-            let u = [(u[0] - share) / (1.0 - share), u[1], u[2]];
             (self.opaque.sample(wo, u, mode)?, 1.0 - share)
         };
         if sample.is_delta {

@@ -1,4 +1,21 @@
-//! Discrete choices: an alias table, and piecewise-constant densities on a grid.
+//! Discrete choices: one of two, an alias table, and piecewise-constant densities on a grid.
+
+/// The largest number below 1.
+const BELOW_ONE: f32 = 1.0 - 0.5 * f32::EPSILON;
+
+/// One of two, true with probability `p`, by a number in [0, 1); and what is left of that number: uniform in [0, 1) again,
+/// whichever of the two it is.
+///
+/// What both go on to draw by it is spread as evenly, both together, as the number was. A number of its own for the
+/// choice would take points out of an even pattern at random.
+#[inline]
+#[must_use]
+pub fn one_of_two(u: f32, p: f32) -> (bool, f32) {
+    let other = 1.0 - p;
+    let is_first = u >= other;
+    let rest = if is_first { (1.0 - u) / p } else { u / other };
+    (is_first, rest.min(BELOW_ONE))
+}
 
 /// Draws an index in constant time with probability proportional to its weight
 /// (Walker 1974, built after Vose 1991).
@@ -163,7 +180,29 @@ fn invert(cdf: &[f32], u: f32) -> (usize, f32) {
 
 #[cfg(test)]
 mod tests {
-    use super::{AliasTable, Grid2};
+    use super::{AliasTable, Grid2, one_of_two};
+
+    #[test]
+    fn one_of_two_is_exact_and_leaves_even_numbers() {
+        for p in [0.0, 0.05, 0.3, 0.5, 0.999, 1.0] {
+            let n = 100_000;
+            let mut rests = [const { Vec::new() }; 2];
+            for i in 0..n {
+                let (is_first, rest) = one_of_two((i as f32 + 0.5) / n as f32, p);
+                assert!((0.0..1.0).contains(&rest), "{p}: {rest}");
+                rests[usize::from(is_first)].push(rest);
+            }
+            let expected = n as f32 * p;
+            assert!((rests[1].len() as f32 - expected).abs() <= 1.0, "{p}");
+            for rests in &mut rests {
+                rests.sort_by(f32::total_cmp);
+                let m = rests.len() as f32;
+                for (i, rest) in rests.iter().enumerate() {
+                    assert!((rest - (i as f32 + 0.5) / m).abs() < 1.5 / m + 1e-5, "{p}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn alias_table_draws_its_weights() {

@@ -16,6 +16,7 @@ use crate::bsdf::TransportMode;
 use crate::endpoint::Receiver;
 use crate::math::Frame;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, select, vectorized};
+use crate::sampling::discrete::one_of_two;
 use crate::sampling::mis::power_heuristic;
 use crate::sampling::warp;
 use crate::scene::Caster;
@@ -77,6 +78,38 @@ impl Cone {
     }
 }
 
+/// The cone that a direction is drawn from: the one of which the share, behind those before it, holds a number.
+#[derive(Clone, Copy, Debug, Default)]
+struct Choice {
+    axis: Vec3,
+    height: f32,
+    /// What is left of the number, in [0, 1].
+    rest: f32,
+    /// Where the next share starts.
+    start: f32,
+}
+
+impl Choice {
+    /// Takes the next cone instead, if the number reaches it.
+    #[inline(always)]
+    fn offer(&mut self, cone: &Cone, number: f32) {
+        let rest = (number - self.start) / cone.share;
+        // False where the share is 0.
+        let is_reached = (rest >= 0.0) & (cone.share > 0.0);
+        let [x, y, z] = [0, 1, 2].map(|i| select(is_reached, cone.axis[i], self.axis[i]));
+        self.axis = Vec3::new(x, y, z);
+        self.height = select(is_reached, cone.height, self.height);
+        self.rest = select(is_reached, rest.min(1.0), self.rest);
+        self.start += cone.share;
+    }
+
+    /// The direction.
+    #[inline(always)]
+    fn direction(&self, u: f32) -> Vec3 {
+        in_cone(self.axis, self.height, [u, self.rest])
+    }
+}
+
 /// Uniform in the cone about an axis of which 1 less the cosine of the half-angle is `height`: a point of the disk,
 /// lifted to the sphere so that areas stay in proportion.
 #[inline(always)]
@@ -135,22 +168,22 @@ impl Cones {
         u: [f32; 3],
         mode: TransportMode,
     ) -> Option<VertexSample> {
-        let mut end = 0.0;
-        for cone in &self.cones[..self.n] {
-            end += cone.share;
-            if u[0] < end {
-                let wi = in_cone(cone.axis, cone.height, [u[1], u[2]]);
-                let (f_cos, pdf_w) = vertex.f_cos_and_pdf_w(wi, mode)?;
-                return Some(VertexSample {
-                    wi,
-                    f_cos,
-                    pdf_w: self.mixed(wi, pdf_w),
-                    is_delta: false,
-                });
+        let (is_aimed, rest) = one_of_two(u[2], self.share);
+        if is_aimed {
+            let mut choice = Choice::default();
+            for cone in &self.cones[..self.n] {
+                choice.offer(cone, rest * self.share);
             }
+            let wi = choice.direction(u[1]);
+            let (f_cos, pdf_w) = vertex.f_cos_and_pdf_w(wi, mode)?;
+            return Some(VertexSample {
+                wi,
+                f_cos,
+                pdf_w: self.mixed(wi, pdf_w),
+                is_delta: false,
+            });
         }
-        let rest = (u[0] - self.share) / (1.0 - self.share);
-        let sample = vertex.sample([rest, u[1], u[2]], mode)?;
+        let sample = vertex.sample([u[0], u[1], rest], mode)?;
         Some(VertexSample {
             pdf_w: if sample.is_delta {
                 sample.pdf_w * (1.0 - self.share)
@@ -180,16 +213,39 @@ pub(crate) struct ConeLanes {
     cones: [OneConeLanes; Caster::MAX],
     n: usize,
     share: Lanes<f32>,
-    chosen: ChosenLanes,
+    choice: ChoiceLanes,
     /// Of the mixture.
     density: Lanes<f32>,
 }
 
-/// The cone that a direction is drawn from, in lanes where it is drawn from one.
+/// [`Choice`], in lanes where a direction is drawn from a cone.
 #[derive(Default)]
-struct ChosenLanes {
+struct ChoiceLanes {
+    is_aimed: Lanes<u32>,
     axis: Vec3Lanes,
     height: Lanes<f32>,
+    rest: Lanes<f32>,
+    start: Lanes<f32>,
+}
+
+impl ChoiceLanes {
+    #[inline(always)]
+    fn get(&self, lane: usize) -> Choice {
+        Choice {
+            axis: self.axis.get(lane),
+            height: self.height.get(lane),
+            rest: self.rest.get(lane),
+            start: self.start.get(lane),
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, choice: &Choice) {
+        self.axis.set(lane, choice.axis);
+        self.height.set(lane, choice.height);
+        self.rest.set(lane, choice.rest);
+        self.start.set(lane, choice.start);
+    }
 }
 
 /// A [`Cone`] in each lane.
@@ -238,7 +294,12 @@ impl ConeLanes {
         weigh(self, wi, pdf_w_light, pdf_w_bsdf, weights);
     }
 
-    /// [`Cones::sample`], where the BSDF has drawn `samples` by the same numbers.
+    /// The first part of [`Cones::sample`]: decides what the directions are drawn from, and leaves the numbers for those that the BSDF draws.
+    pub(crate) fn choose(&mut self, u: &mut [Lanes<f32>; 3]) {
+        choose(self, u);
+    }
+
+    /// The second part, where the BSDF has drawn `samples` by these numbers.
     pub(crate) fn sample(
         &mut self,
         vertices: &DiffuseVertices<'_>,
@@ -288,26 +349,32 @@ vectorized! {
 }
 
 vectorized! {
-    fn sample(seen: &mut ConeLanes, vertices: &DiffuseVertices<'_>, u: &[Lanes<f32>; 3], mode: TransportMode, samples: &mut DiffuseSamples) {
-        let ConeLanes { cones, n, share, chosen, .. } = &mut *seen;
-        let mut start = Lanes::<f32>::default();
+    fn choose(seen: &mut ConeLanes, u: &mut [Lanes<f32>; 3]) {
+        let ConeLanes { cones, n, share, choice, .. } = seen;
+        choice.start = Lanes::default();
+        for lane in 0..LANES {
+            let (is_aimed, rest) = one_of_two(u[2].get(lane), share.get(lane));
+            choice.is_aimed.set(lane, u32::from(is_aimed));
+            u[2].set(lane, rest);
+        }
         for cones in &cones[..*n] {
             for lane in 0..LANES {
-                let cone = cones.get(lane);
-                let (u, end) = (u[0].get(lane), start.get(lane) + cone.share);
-                let is_chosen = (u >= start.get(lane)) & (u < end);
-                chosen.axis.set_if(is_chosen, lane, cone.axis);
-                chosen.height.set_if(is_chosen, lane, cone.height);
-                start.set(lane, end);
+                let mut of_lane = choice.get(lane);
+                of_lane.offer(&cones.get(lane), u[2].get(lane) * share.get(lane));
+                choice.set(lane, &of_lane);
             }
         }
+    }
+}
+
+vectorized! {
+    fn sample(seen: &mut ConeLanes, vertices: &DiffuseVertices<'_>, u: &[Lanes<f32>; 3], mode: TransportMode, samples: &mut DiffuseSamples) {
         for lane in 0..LANES {
-            let is_chosen = u[0].get(lane) < share.get(lane);
-            let (axis, height) = (chosen.axis.get(lane), chosen.height.get(lane));
-            let wi = in_cone(axis, height, [u[1].get(lane), u[2].get(lane)]);
+            let wi = seen.choice.get(lane).direction(u[1].get(lane));
             let vertex = vertices.vertex(lane);
             let found = vertex.f_cos_and_pdf_w(wi, mode);
-            samples.replace(is_chosen, lane, &vertex.point, wi, found);
+            let is_aimed = seen.choice.is_aimed.get(lane) != 0;
+            samples.replace(is_aimed, lane, &vertex.point, wi, found);
         }
         let (wi, pdf_w) = samples.drawn();
         mix(seen, wi, pdf_w);

@@ -254,6 +254,9 @@ impl<'a> Step<'a> {
         }
 
         // On to the next vertices.
+        if !walk.casters.is_empty() {
+            events.cones.choose(&mut events.u_direction);
+        }
         vertices.sample(&events.u_direction, MODE, &mut events.samples);
         if !walk.casters.is_empty() {
             events.sample_casters(vertices);

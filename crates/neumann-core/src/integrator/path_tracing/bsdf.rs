@@ -70,7 +70,7 @@ impl Integrator for BsdfSampling {
 
 pub(in crate::integrator) const MODE: TransportMode = TransportMode::Radiance;
 
-/// Random numbers for the direction at bounce number `bounce`: which lobe, and where in it.
+/// Random numbers for the direction at bounce number `bounce`, as [`Scatter::sample`](crate::bsdf::Scatter::sample) takes them.
 #[inline]
 pub(in crate::integrator) fn bsdf_numbers(sampler: &mut Sampler<'_>, bounce: u32) -> [f32; 3] {
     sampler.start_bounce(bounce);

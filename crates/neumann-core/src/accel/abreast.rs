@@ -2,12 +2,13 @@
 //!
 //! They are prepared, and meet the children of the root, sixteen at once in vectors. From there on each walks by itself:
 //! rays that have been scattered soon go different ways, and a vector of which few lanes are wanted is slower than
-//! the vectors of boxes and triangles that a single ray meets.
+//! the vectors of boxes and triangles that a single ray meets. Only a small tree is walked together to its end, where vectors
+//! are long enough ([`super::avx512`]).
 
 use glam::Vec3;
 
 use super::Hit;
-use super::traverse::{ACROSS, BoxHits, FAR_PADDING, Prepared};
+use super::traverse::{AXES, BoxHits, FAR_PADDING, Prepared};
 use super::wide::{Node, WIDTH};
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
@@ -49,6 +50,12 @@ impl RayLanes {
     #[inline(always)]
     pub(super) fn end(&self, lane: usize) -> f32 {
         self.end.get(lane)
+    }
+
+    /// Those distances.
+    #[inline(always)]
+    pub(super) fn ends(&self) -> &Lanes<f32> {
+        &self.end
     }
 
     /// Where the ray of a lane goes.
@@ -94,13 +101,13 @@ impl RayLanes {
 
 /// [`Prepared`], in each lane.
 pub(super) struct PreparedLanes {
-    origin: Vec3Lanes,
-    inverse: [Lanes<f32>; 3],
+    pub(super) origin: Vec3Lanes,
+    pub(super) inverse: [Lanes<f32>; 3],
     /// 1 where the direction is negative along an axis.
-    is_negative: [Lanes<u32>; 3],
+    pub(super) is_negative: [Lanes<u32>; 3],
     /// The axis that the ray runs along most.
-    along: Lanes<u32>,
-    shear: [Lanes<f32>; 3],
+    pub(super) along: Lanes<u32>,
+    pub(super) shear: [Lanes<f32>; 3],
 }
 
 impl PreparedLanes {
@@ -137,13 +144,7 @@ impl PreparedLanes {
                 }
             };
             let scale = pick(inverse[0], inverse[1], inverse[2]);
-            let (next, other) = (pick(d[1], d[2], d[0]), pick(d[2], d[0], d[1]));
-            let is_back = scale.to_bits() >> 31 != 0;
-            let across = if is_back {
-                [other, next]
-            } else {
-                [next, other]
-            };
+            let across = [pick(d[1], d[2], d[0]), pick(d[2], d[0], d[1])];
             for axis in 0..3 {
                 prepared.inverse[axis].set(lane, inverse[axis]);
                 prepared.is_negative[axis].set(lane, is_negative[axis]);
@@ -170,18 +171,18 @@ impl PreparedLanes {
     pub(super) fn get(&self, lane: usize) -> Prepared {
         let is_negative = [0, 1, 2].map(|axis| self.is_negative[axis].get(lane) as usize);
         let z = self.along.get(lane) as usize % 3;
-        let [x, y] = ACROSS[z][is_negative[z] % 2];
         Prepared {
             origin: self.origin.get(lane).to_array(),
             inverse: [0, 1, 2].map(|axis| self.inverse[axis].get(lane)),
             near: [0, 1, 2].map(|axis| 2 * axis + is_negative[axis] % 2),
-            axes: [x, y, z],
+            axes: AXES[z],
             shear: [0, 1, 2].map(|axis| self.shear[axis].get(lane)),
         }
     }
 }
 
 /// [`BoxHits`], in each lane.
+#[derive(Default)]
 pub(super) struct BoxHitLanes {
     near: [Lanes<f32>; WIDTH],
     mask: Lanes<u32>,
@@ -191,10 +192,7 @@ impl BoxHitLanes {
     /// The children of a node that the rays meet.
     #[inline(always)]
     pub(super) fn new(node: &Node, rays: &RayLanes, prepared: &PreparedLanes) -> Self {
-        let mut hits = Self {
-            near: [Lanes::default(); WIDTH],
-            mask: Lanes::default(),
-        };
+        let mut hits = Self::default();
         for child in 0..WIDTH {
             let low = [0, 2, 4].map(|row| node.bounds[row][child]);
             let high = [1, 3, 5].map(|row| node.bounds[row][child]);
@@ -215,11 +213,10 @@ impl BoxHitLanes {
                     let t = (last - o) * inverse;
                     far = if t < far { t } else { far };
                 }
-                let padded = far * FAR_PADDING;
                 let t_max = rays.end.get(lane);
-                let end = if padded < t_max { padded } else { t_max };
+                let end = if far < t_max { far } else { t_max };
                 hits.near[child].set(lane, near);
-                let is_met = u32::from(near <= end);
+                let is_met = u32::from(near <= end * FAR_PADDING);
                 hits.mask.set(lane, hits.mask.get(lane) | is_met << child);
             }
         }

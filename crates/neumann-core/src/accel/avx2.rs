@@ -17,7 +17,7 @@ use std::arch::x86_64::{
 use super::traverse::{BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
 use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
 
-struct Avx2;
+pub(super) struct Avx2;
 
 /// Room for a vector in memory.
 #[repr(C, align(32))]
@@ -137,8 +137,8 @@ impl Kernel for Avx2 {
                 near = _mm256_max_ps(_mm256_mul_ps(_mm256_sub_ps(first, origin), inverse), near);
                 far = _mm256_min_ps(_mm256_mul_ps(_mm256_sub_ps(last, origin), inverse), far);
             }
-            let padded = _mm256_mul_ps(far, _mm256_set1_ps(FAR_PADDING));
-            far = _mm256_min_ps(padded, _mm256_set1_ps(t_max));
+            far = _mm256_min_ps(far, _mm256_set1_ps(t_max));
+            far = _mm256_mul_ps(far, _mm256_set1_ps(FAR_PADDING));
             let mut distances = Aligned([0.0; WIDTH]);
             _mm256_store_ps(distances.0.as_mut_ptr(), near);
             BoxHits {

@@ -11,11 +11,11 @@ use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 
 use super::abreast::{HitLanes, RayLanes};
-#[cfg(target_arch = "x86_64")]
-use super::avx2;
 use super::instances::{Instances, Placement};
 use super::portable;
 use super::wide::WideTree;
+#[cfg(target_arch = "x86_64")]
+use super::{avx2, avx512};
 use crate::math::Ray;
 use crate::math::lanes::{LANES, lanes_of};
 
@@ -193,6 +193,10 @@ impl Bvh {
             #[cfg(target_arch = "x86_64")]
             Kernel::Avx2 => avx2::plain::closest_of_lanes(&self.tree, rays, &mut hits),
             #[cfg(target_arch = "x86_64")]
+            Kernel::Avx512 if self.tree.is_small() => {
+                avx512::closest_of_lanes(&self.tree, rays, &mut hits);
+            }
+            #[cfg(target_arch = "x86_64")]
             Kernel::Avx512 => avx2::avx512::closest_of_lanes(&self.tree, rays, &mut hits),
         }
         hits.map(|hit| hit.is_there().then_some(hit))
@@ -208,6 +212,8 @@ impl Bvh {
             Kernel::Portable => portable::any_of_lanes(&self.tree, rays),
             #[cfg(target_arch = "x86_64")]
             Kernel::Avx2 => avx2::plain::any_of_lanes(&self.tree, rays),
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx512 if self.tree.is_small() => avx512::any_of_lanes(&self.tree, rays),
             #[cfg(target_arch = "x86_64")]
             Kernel::Avx512 => avx2::avx512::any_of_lanes(&self.tree, rays),
         }
@@ -512,8 +518,25 @@ mod tests {
 
     #[test]
     fn rays_abreast_meet_what_they_meet_alone() {
-        let triangles = sphere(40, 1.0);
-        let mut bvh = Bvh::new(&triangles);
+        rays_abreast_meet_what_they_meet_alone_in(&sphere(40, 1.0));
+    }
+
+    #[test]
+    fn rays_go_together_through_a_small_tree() {
+        let mut triangles = sphere(3, 1.0);
+        assert!(Bvh::new(&triangles).tree.is_small());
+        rays_abreast_meet_what_they_meet_alone_in(&triangles);
+        // Half inside another, which makes it deeper, with some of the triangles there twice.
+        triangles.extend(sphere(3, 1.3).into_iter().take(10));
+        triangles.extend_from_within(2..6);
+        let bvh = Bvh::new(&triangles);
+        let (n_nodes, n_leaves) = (bvh.tree.nodes.len(), bvh.tree.leaves.len());
+        assert!(bvh.tree.is_small() && n_nodes > 1, "{n_nodes}, {n_leaves}");
+        rays_abreast_meet_what_they_meet_alone_in(&triangles);
+    }
+
+    fn rays_abreast_meet_what_they_meet_alone_in(triangles: &[[Vec3; 3]]) {
+        let mut bvh = Bvh::new(triangles);
         let (mut n_hits, mut n_occluded) = (0, 0);
         for i in 0..20_000 {
             let mut rays = RayLanes::default();
@@ -526,10 +549,16 @@ mod tests {
                     1 => -Vec3::Y,
                     2 => Vec3::new(-0.0, 0.0, 1.0),
                     3 => continue,
+                    // At corners and edges.
+                    4 => triangles[i as usize % triangles.len()][0] - origin,
+                    5 => {
+                        let [a, b, _] = triangles[i as usize % triangles.len()];
+                        a + (b - a) * sampler.next_1d() - origin
+                    }
                     _ => warp::uniform_sphere(sampler.next_2d()),
                 };
                 let ray = if lane % 2 == 0 {
-                    Ray::new(origin, towards)
+                    Ray::new(origin, towards.normalize())
                 } else {
                     Ray::with_end(origin, towards * 1.7, 1.0)
                 };
@@ -576,10 +605,15 @@ mod tests {
         assert!(quick.tree.nodes.len() != full.tree.nodes.len(), "the same");
         // Six thousand triangles: thirteen halvings.
         assert!(halved.tree.depth <= 13);
-        for i in 0..20_000 {
+        for i in 0..100_000 {
             let mut sampler = Sampler::new(12, i, 0);
             let origin = 2.0 * warp::uniform_sphere(sampler.next_2d());
-            let towards = warp::uniform_sphere(sampler.next_2d()) - origin;
+            let mut target = warp::uniform_sphere(sampler.next_2d());
+            if i % 2 == 0 {
+                // A corner, where several triangles are as near but for rounding.
+                target = triangles[i as usize / 2 % triangles.len()][0];
+            }
+            let towards = target - origin;
             let ray = Ray::new(origin, towards.normalize());
             let answers = [&quick, &full, &halved].map(|bvh| {
                 let hit = bvh.closest_hit(&ray);

@@ -64,9 +64,8 @@ impl Kernel for Portable {
         }
         let mut mask = 0u32;
         for lane in 0..WIDTH {
-            let padded = far[lane] * FAR_PADDING;
-            let end = if padded < t_max { padded } else { t_max };
-            mask |= u32::from(near[lane] <= end) << lane;
+            let end = if far[lane] < t_max { far[lane] } else { t_max };
+            mask |= u32::from(near[lane] <= end * FAR_PADDING) << lane;
         }
         BoxHits { mask, near }
     }

@@ -21,7 +21,8 @@ use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, STACK_SIZE, WIDTH, WideTree};
 use crate::math::Ray;
 use crate::math::lanes::lanes_of;
 
-/// Room for the rounding of three operations on either side of a box.
+/// Room for the rounding of three operations on either side of a box. What a ray has met is moved out as well: a triangle in a box
+/// right behind may be as near, and count.
 pub(super) const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;
 
 /// A ray prepared for both tests.
@@ -138,7 +139,7 @@ fn walk_below_root<K: Kernel>(
             top -= 1;
             let entry = stack.get(top);
             current = entry as u32;
-            is_next = f32::from_bits((entry >> 32) as u32) <= end;
+            is_next = f32::from_bits((entry >> 32) as u32) <= end * FAR_PADDING;
         }
         node = &tree.nodes[current as usize];
         BoxHits { mask, near } = K::meet_boxes(node, prepared, end);
@@ -235,6 +236,25 @@ pub(super) fn any_of_lanes<K: Kernel>(tree: &WideTree, rays: &RayLanes) -> u32 {
     stopped
 }
 
+/// Puts the first triangle of a leaf that the ray meets into `best`, if it is before that.
+#[inline(always)]
+pub(super) fn meet_leaf<K: Kernel>(leaf: &Leaf, prepared: &Prepared, end: f32, best: &mut Hit) {
+    let lanes = K::meet_triangles(leaf, prepared, end);
+    let mut mask = lanes.mask;
+    while mask != 0 {
+        let lane = mask.trailing_zeros() as usize & (LEAF_SIZE - 1);
+        mask &= mask - 1;
+        let hit = Hit {
+            t: lanes.t[lane],
+            triangle: leaf.triangles[lane],
+            barycentrics: [lanes.v[lane], lanes.w[lane]],
+        };
+        if hit.is_before(best) {
+            *best = hit;
+        }
+    }
+}
+
 /// The first triangle that the ray meets, or what stands for none.
 #[inline(always)]
 pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &Ray) -> Hit {
@@ -298,21 +318,7 @@ struct Triangles<'a, K> {
 impl<K: Kernel> Visitor for Triangles<'_, K> {
     #[inline(always)]
     fn visit(&mut self, leaf: usize, end: f32) -> f32 {
-        let leaf = &self.tree.leaves[leaf];
-        let lanes = K::meet_triangles(leaf, self.prepared, end);
-        let mut mask = lanes.mask;
-        while mask != 0 {
-            let lane = mask.trailing_zeros() as usize & (LEAF_SIZE - 1);
-            mask &= mask - 1;
-            let hit = Hit {
-                t: lanes.t[lane],
-                triangle: leaf.triangles[lane],
-                barycentrics: [lanes.v[lane], lanes.w[lane]],
-            };
-            if hit.is_before(&self.best) {
-                self.best = hit;
-            }
-        }
+        meet_leaf::<K>(&self.tree.leaves[leaf], self.prepared, end, &mut self.best);
         self.best.t
     }
 }
@@ -377,22 +383,21 @@ impl Prepared {
         let [along_x, along_y, along_z, _] = magnitude.to_array();
         let z = usize::from(along_y > along_x);
         let z = if along_z > along_x.max(along_y) { 2 } else { z };
-        let [x, y] = ACROSS[z][is_negative >> z & 1];
+        let [x, y, _] = AXES[z];
         let scale = inverse[z];
         Self {
             origin: ray.origin().to_array(),
             inverse: [inverse[0], inverse[1], inverse[2]],
             near: [0, 1, 2].map(|axis| 2 * axis + (is_negative >> axis & 1)),
-            axes: [x, y, z],
+            axes: AXES[z],
             shear: [d[x] * scale, d[y] * scale, scale],
         }
     }
 }
 
-/// The other axes of the sheared frame, by the axis that the ray runs along most and by whether it does so backwards: a
-/// mirrored frame keeps the sense in which corners go around.
-pub(super) const ACROSS: [[[usize; 2]; 2]; 3] =
-    [[[1, 2], [2, 1]], [[2, 0], [0, 2]], [[0, 1], [1, 0]]];
+/// The axes of the sheared frame, by the axis that the ray runs along most. Where it does so backwards, corners go around in the
+/// other sense; that turns the signs of all edge functions and of their sum, and changes no hit.
+pub(super) const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 /// Where an edge is met as exactly as single precision can tell, double precision decides.
 #[cold]

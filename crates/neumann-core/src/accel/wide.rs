@@ -46,6 +46,9 @@ pub(super) struct WideTree {
 /// much.
 const FAR_BYTES: usize = 512 << 10;
 
+/// Leaves of a tree that is small, at most; there are fewer nodes.
+pub(super) const SMALL_LEAVES: usize = 16;
+
 /// A node without children.
 pub(super) const EMPTY_NODE: Node = Node {
     bounds: [
@@ -111,6 +114,11 @@ impl WideTree {
             is_far: self.n_bytes() > FAR_BYTES,
             ..self
         }
+    }
+
+    /// True if it is so small that many rays walk it together sooner than each by itself.
+    pub(super) fn is_small(&self) -> bool {
+        self.leaves.len() <= SMALL_LEAVES
     }
 
     /// True if the stack of a walk has room for the longest way down, on which all children but one wait at each node.

@@ -16,7 +16,7 @@ use crate::integrator::{
 };
 use crate::math::Ray;
 use crate::math::ray::offset_point;
-use crate::photons::{HashGrid, Kernel, Photon};
+use crate::photons::{HashGrid, Kernel, Near, Photon};
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass, Sink};
 use crate::sampling::Sampler;
@@ -296,21 +296,17 @@ impl PhotonMapping {
             mapping: self,
             max_bounces: pass.max_bounces(),
         };
-        pass.trace_pixels_with(
-            scene,
-            || Vec::with_capacity(self.n_nearest + 1),
-            |nearest, sample, tracer, sampler, sink| {
-                let segment = Segment {
-                    ray: camera.ray(sample.raster, sampler.next_2d()).ray,
-                    throughput: Rgb::WHITE,
-                    medium: Medium::VACUUM,
-                    drawn: None,
-                    leaves_emitters: false,
-                    bounce: 0,
-                };
-                eye.follow(segment, self.n_gather, tracer, sampler, sink, nearest);
-            },
-        )
+        pass.trace_pixels_with(scene, Vec::new, |near, sample, tracer, sampler, sink| {
+            let segment = Segment {
+                ray: camera.ray(sample.raster, sampler.next_2d()).ray,
+                throughput: Rgb::WHITE,
+                medium: Medium::VACUUM,
+                drawn: None,
+                leaves_emitters: false,
+                bounce: 0,
+            };
+            eye.follow(segment, self.n_gather, tracer, sampler, sink, near);
+        })
     }
 }
 
@@ -346,7 +342,7 @@ impl Eye<'_> {
         tracer: &mut Tracer<'_>,
         sampler: &mut Sampler<'_>,
         sink: &mut Sink<'_>,
-        nearest: &mut Vec<(f32, u32)>,
+        near: &mut Vec<Near>,
     ) {
         let lights = self.scene.lights();
         loop {
@@ -378,7 +374,7 @@ impl Eye<'_> {
             let is_rough = has_density && vertex.bsdf.roughness() >= self.mapping.roughness;
             if is_rough && n_gather == 0 {
                 // Rough enough: what scatters here is read off the map.
-                self.ask_map(&vertex, &path, sink, nearest);
+                self.ask_map(&vertex, &path, sink, near);
             } else if has_density {
                 // A light aimed at, against running into it.
                 let u = light_sample(sampler);
@@ -390,7 +386,7 @@ impl Eye<'_> {
                 }
             }
             if is_rough && n_gather > 0 {
-                self.gather(&vertex, &path, tracer, sampler, sink, nearest);
+                self.gather(&vertex, &path, tracer, sampler, sink, near);
             }
 
             // Mirror-like and sharp lobes are followed.
@@ -412,7 +408,7 @@ impl Eye<'_> {
         tracer: &mut Tracer<'_>,
         sampler: &mut Sampler<'_>,
         sink: &mut Sink<'_>,
-        nearest: &mut Vec<(f32, u32)>,
+        near: &mut Vec<Near>,
     ) {
         let n = self.mapping.n_gather;
         for i in 0..n {
@@ -429,7 +425,7 @@ impl Eye<'_> {
             ray.throughput *= 1.0 / n as f32;
             // Emitters met by these rays have been aimed at already.
             ray.leaves_emitters = true;
-            self.follow(ray, 0, tracer, &mut numbers, sink, nearest);
+            self.follow(ray, 0, tracer, &mut numbers, sink, near);
         }
     }
 
@@ -439,7 +435,7 @@ impl Eye<'_> {
         vertex: &SurfaceVertex<'_>,
         path: &Segment,
         sink: &mut Sink<'_>,
-        nearest: &mut Vec<(f32, u32)>,
+        near: &mut Vec<Near>,
     ) {
         let map = self.map;
         let n_nearest = self.mapping.n_nearest;
@@ -460,26 +456,21 @@ impl Eye<'_> {
                 });
             }
         };
-        if n_nearest == 0 {
-            let r2 = map.radius * map.radius;
-            map.grid
-                .for_each_near(x, |photon, _, d2| add(photon, d2, r2));
-            return;
-        }
-        nearest.clear();
-        map.grid
-            .for_each_near(x, |_, number, d2| nearest.push((d2, number)));
+        map.grid.find(x, near);
         let mut r2 = map.radius * map.radius;
-        if nearest.len() > n_nearest {
+        if n_nearest > 0 && near.len() > n_nearest {
             // The disk reaches to the first photon that is left out.
-            nearest
-                .select_nth_unstable_by(n_nearest, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            r2 = nearest[n_nearest].0;
-            nearest.truncate(n_nearest);
-            nearest.sort_unstable_by_key(|(_, index)| *index);
+            near.select_nth_unstable_by(n_nearest, |a, b| {
+                let by_distance = a.distance_squared.total_cmp(&b.distance_squared);
+                by_distance.then(a.number.cmp(&b.number))
+            });
+            r2 = near[n_nearest].distance_squared;
+            near.truncate(n_nearest);
+            near.sort_unstable_by_key(|near| near.number);
         }
-        for (d2, index) in nearest.iter() {
-            add(&map.grid.entries()[*index as usize], *d2, r2);
+        for found in near.iter() {
+            let photon = &map.grid.entries()[found.number as usize];
+            add(photon, found.distance_squared, r2);
         }
     }
 }

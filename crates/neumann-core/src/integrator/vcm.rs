@@ -18,8 +18,8 @@ use crate::film::{Contribution, PhotonReport, Strategy};
 use crate::integrator::{
     Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
 };
-use crate::photons::{HashGrid, Photon, Placed};
-use crate::render::{Cancelled, Collected, Pass};
+use crate::photons::{HashGrid, Near, Photon, Placed, Search};
+use crate::render::{Cancelled, Collected, Pass, Sink};
 use crate::scene::Scene;
 use crate::transport::Tracer;
 use crate::transport::reflection::{light_sample, start_sample};
@@ -201,90 +201,114 @@ impl Integrator for Vcm {
 
         // Second pass: camera paths.
         let per_merge = std::f32::consts::FRAC_1_PI / (radius * radius * n_paths as f32);
-        let room = || LightSubpath::new(scene);
-        pass.trace_pixels_with(scene, room, |lights, sample, tracer, sampler, sink| {
-            lights.clear();
-            if has_connections {
-                let path = paths.of_path(sample.index % n_paths);
-                for vertex in path {
-                    lights.push(vertex.restored(tracer));
+        // All light vertices near one of the camera's.
+        let merge = |vertex: &Vertex<'_>, near: &[Near], sink: &mut Sink<'_>| {
+            for found in near {
+                let light = &self.grid.entries()[found.number as usize];
+                let strategy = Strategy::merge(light.photon.n_vertices, vertex.n_vertices);
+                if strategy.bounce() > max_bounces {
+                    continue;
                 }
+                let Some(scattered) = light.photon.scattered(&vertex.surface) else {
+                    continue;
+                };
+                sink.add(Contribution {
+                    value: vertex.throughput * scattered.f_power * per_merge,
+                    mis_weight: weighing.merge(
+                        vertex.partial,
+                        light.partial(),
+                        scattered.scattering.pdf_w_forward,
+                        scattered.scattering.pdf_w_reverse,
+                    ),
+                    bounce: strategy.bounce(),
+                    strategy,
+                });
             }
-            let u = lens_sample(sampler);
-            let mut walk = Walk::from_camera(camera, sample.raster, u, &weighing);
-            loop {
-                let Some(vertex) = walk.meet(tracer, &weighing) else {
+        };
+        let room = || (LightSubpath::new(scene), Vec::new());
+        pass.trace_pixels_with(
+            scene,
+            room,
+            |(lights, near), sample, tracer, sampler, sink| {
+                lights.clear();
+                if has_connections {
+                    let path = paths.of_path(sample.index % n_paths);
+                    for vertex in path {
+                        lights.push(vertex.restored(tracer));
+                    }
+                }
+                let u = lens_sample(sampler);
+                let mut walk = Walk::from_camera(camera, sample.raster, u, &weighing);
+                // The vertex that is still to be merged, with its search. What it looks for is far away in memory, so it
+                // is taken step by step, and comes to its end one vertex later.
+                let mut merging: Option<(Vertex<'_>, Search)> = None;
+                loop {
+                    let met = walk.meet(tracer, &weighing);
+                    if let Some((_, search)) = &merging {
+                        self.grid.finish(search, near);
+                    }
+                    let Some(vertex) = met else {
+                        if has_connections {
+                            if let Some(found) = hit_environment(tracer, &walk, &weighing) {
+                                sink.add(found);
+                            }
+                        } else if walk.is_specular {
+                            let radiance =
+                                scene.lights().environment_radiance(walk.ray.direction());
+                            let bounce = u32::from(walk.n_vertices) - 1;
+                            sink.add(hit(bounce, walk.throughput * radiance, 1.0));
+                        }
+                        break;
+                    };
+                    let bounce = walk.bounce();
+                    if bounce == 0 {
+                        add_unlit(tracer, &vertex.surface, sink);
+                    }
                     if has_connections {
-                        if let Some(found) = hit_environment(tracer, &walk, &weighing) {
+                        if let Some(found) = hit_emitter(tracer, &walk, &vertex, &weighing) {
                             sink.add(found);
                         }
                     } else if walk.is_specular {
-                        let radiance = scene.lights().environment_radiance(walk.ray.direction());
-                        let bounce = u32::from(walk.n_vertices) - 1;
-                        sink.add(hit(bounce, walk.throughput * radiance, 1.0));
+                        // Merging alone cannot find light by way of mirrors only.
+                        let emitted = tracer.emitted(&vertex.surface);
+                        sink.add(hit(bounce, vertex.throughput * emitted, 1.0));
                     }
-                    return;
-                };
-                let bounce = walk.bounce();
-                if bounce == 0 {
-                    add_unlit(tracer, &vertex.surface, sink);
-                }
-                if has_connections {
-                    if let Some(found) = hit_emitter(tracer, &walk, &vertex, &weighing) {
-                        sink.add(found);
+                    if bounce == max_bounces {
+                        break;
                     }
-                } else if walk.is_specular {
-                    // Merging alone cannot find light by way of mirrors only.
-                    let emitted = tracer.emitted(&vertex.surface);
-                    sink.add(hit(bounce, vertex.throughput * emitted, 1.0));
-                }
-                if bounce == max_bounces {
-                    return;
-                }
-                sampler.start_bounce(bounce);
-                let joins = vertex.surface.bsdf.has_density();
-                // The search for photons takes its time to fetch them, so it begins early.
-                let near = grid.filter(|_| joins);
-                let near = near.map(|grid| (grid, grid.begin(vertex.surface.point.position)));
-                if joins && has_connections {
-                    let u = light_sample(sampler);
-                    if let Some(found) = next_event(tracer, &vertex, &u, &weighing) {
-                        sink.add(found);
-                    }
-                    if let Some((grid, search)) = &near {
-                        grid.approach(search);
-                    }
-                    lights.connect(tracer, &vertex, max_bounces, &weighing, |found| {
-                        sink.add(found);
-                    });
-                }
-                if let Some((grid, search)) = &near {
-                    grid.finish(search, |light, _, _| {
-                        let strategy = Strategy::merge(light.photon.n_vertices, vertex.n_vertices);
-                        if strategy.bounce() > max_bounces {
-                            return;
+                    sampler.start_bounce(bounce);
+                    let joins = vertex.surface.bsdf.has_density();
+                    let search = grid
+                        .filter(|_| joins)
+                        .map(|grid| grid.begin(vertex.surface.point.position));
+                    if joins && has_connections {
+                        let u = light_sample(sampler);
+                        if let Some(found) = next_event(tracer, &vertex, &u, &weighing) {
+                            sink.add(found);
                         }
-                        let Some(scattered) = light.photon.scattered(&vertex.surface) else {
-                            return;
-                        };
-                        sink.add(Contribution {
-                            value: vertex.throughput * scattered.f_power * per_merge,
-                            mis_weight: weighing.merge(
-                                vertex.partial,
-                                light.partial(),
-                                scattered.scattering.pdf_w_forward,
-                                scattered.scattering.pdf_w_reverse,
-                            ),
-                            bounce: strategy.bounce(),
-                            strategy,
+                        lights.connect(tracer, &vertex, max_bounces, &weighing, |found| {
+                            sink.add(found);
                         });
-                    });
+                    }
+                    if let Some((before, _)) = merging.take() {
+                        merge(&before, near, sink);
+                    }
+                    if let Some(search) = search {
+                        self.grid.approach(&search);
+                        merging = Some((vertex, search));
+                    }
+                    if !walk.scatter(&vertex, sampler, has_roulette, &weighing) {
+                        if let Some((_, search)) = &merging {
+                            self.grid.finish(search, near);
+                        }
+                        break;
+                    }
                 }
-                if !walk.scatter(&vertex, sampler, has_roulette, &weighing) {
-                    return;
+                if let Some((last, _)) = merging {
+                    merge(&last, near, sink);
                 }
-            }
-        })
+            },
+        )
     }
 }
 

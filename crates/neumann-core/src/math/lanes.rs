@@ -50,6 +50,11 @@ impl Lanes<f32> {
 
 impl Vec3Lanes {
     #[inline(always)]
+    pub(crate) fn axes(&self) -> [&Lanes<f32>; 3] {
+        [&self.x, &self.y, &self.z]
+    }
+
+    #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> Vec3 {
         Vec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])
     }

@@ -57,12 +57,19 @@ impl Group {
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
     x: Vec3,
-    /// Those of the cells that the ball meets.
+    /// Those of the cells that the ball meets. No two are the same: neighbours differ in their places within blocks, whatever
+    /// blocks they are in.
     buckets: [u32; 8],
 }
 
-/// Entries that are read together.
-const BATCH: usize = 8;
+/// An entry within the radius.
+#[derive(Clone, Copy, Debug)]
+pub struct Near {
+    /// Its number.
+    pub number: u32,
+    /// m².
+    pub distance_squared: f32,
+}
 
 /// Something that has a place.
 pub trait Placed {
@@ -170,14 +177,14 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
         &self.entries
     }
 
-    /// Calls `found` with each entry within the radius of `x`, its number, and its squared distance.
+    /// Finds the entries within the radius of `x`.
     #[inline]
-    pub fn for_each_near(&self, x: Vec3, found: impl FnMut(&T, u32, f32)) {
-        self.finish(&self.begin(x), found);
+    pub fn find(&self, x: Vec3, near: &mut Vec<Near>) {
+        self.finish(&self.begin(x), near);
     }
 
-    /// Begins a search for what is near `x`. The table is far away in memory: what else there is to do is best done between
-    /// this, [`Self::approach`] and [`Self::finish`].
+    /// Begins a search for what is near `x`. Table, positions and entries are far away in memory: what else there is to do is best
+    /// done between this, [`Self::approach`], [`Self::finish`] and reading what was found.
     #[inline]
     #[must_use]
     pub fn begin(&self, x: Vec3) -> Search {
@@ -195,34 +202,27 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
         Search { x, buckets }
     }
 
-    /// Goes on with a search: asks for the entries that it will look at.
+    /// Goes on with a search: asks for the positions that it will look at.
     #[inline]
     pub fn approach(&self, search: &Search) {
-        for bucket in search.buckets {
-            let (start, end) = self.range(bucket);
+        for (start, end) in self.ranges(search) {
             if start < end {
                 prefetch(&self.positions[start / LANES]);
-                prefetch(&self.entries[start]);
+                prefetch(&self.positions[(end - 1) / LANES]);
             }
         }
     }
 
-    /// Ends a search: calls `found` with each entry within the radius, its number, and its squared distance.
+    /// Ends a search with the entries within the radius. They are asked for, not waited for: it is best to do something else
+    /// before they are read.
     #[inline]
-    pub fn finish(&self, search: &Search, mut found: impl FnMut(&T, u32, f32)) {
-        let Search { x, buckets } = *search;
+    pub fn finish(&self, search: &Search, near: &mut Vec<Near>) {
+        near.clear();
         let radius_squared = Vec4::splat(self.radius * self.radius);
-        let (mut near, mut n_near) = ([(0u32, 0f32); BATCH], 0);
-        // All places in the table first, so that the memory answers them together.
-        let ranges = buckets.map(|bucket| self.range(bucket));
-        for (corner, (start, end)) in ranges.into_iter().enumerate() {
-            // Two cells may share a bucket, which must not be searched twice.
-            if start == end || buckets[..corner].contains(&buckets[corner]) {
-                continue;
-            }
+        for (start, end) in self.ranges(search) {
             for group in start / LANES..end.div_ceil(LANES) {
                 let first = group * LANES;
-                let distances_squared = self.positions[group].distances_squared(x);
+                let distances_squared = self.positions[group].distances_squared(search.x);
                 let mut inside = distances_squared.cmplt(radius_squared).bitmask();
                 // Those of the group that belong to other buckets.
                 inside &= !0 << start.saturating_sub(first);
@@ -231,38 +231,31 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
                     let lane = inside.trailing_zeros() as usize;
                     inside &= inside - 1;
                     prefetch(&self.entries[first + lane]);
-                    near[n_near] = ((first + lane) as u32, distances_squared[lane]);
-                    n_near += 1;
-                    if n_near == near.len() {
-                        self.hand_over(&near, &mut found);
-                        n_near = 0;
-                    }
+                    near.push(Near {
+                        number: (first + lane) as u32,
+                        distance_squared: distances_squared[lane],
+                    });
                 }
             }
         }
-        self.hand_over(&near[..n_near], &mut found);
     }
 
-    /// Reads entries together before it hands over the first, so that it waits for the memory once.
+    /// The entries of all buckets of a search, those of two cells side by side together where they follow each other.
     #[inline]
-    fn hand_over(&self, near: &[(u32, f32)], found: &mut impl FnMut(&T, u32, f32)) {
-        let mut entries = [None; BATCH];
-        for (entry, (number, _)) in entries.iter_mut().zip(near) {
-            *entry = Some(self.entries[*number as usize]);
+    fn ranges(&self, search: &Search) -> [(usize, usize); 8] {
+        // All places in the table first, so that the memory answers them together.
+        let mut ranges = search.buckets.map(|bucket| {
+            let bucket = bucket as usize;
+            let [start, end] = [bucket, bucket + 1].map(|i| self.starts[i] as usize);
+            (start, end)
+        });
+        for pair in ranges.chunks_exact_mut(2) {
+            if pair[0].1 == pair[1].0 {
+                pair[0].1 = pair[1].1;
+                pair[1] = (0, 0);
+            }
         }
-        for (entry, (number, distance_squared)) in entries.iter().flatten().zip(near) {
-            found(entry, *number, *distance_squared);
-        }
-    }
-
-    /// The entries of a bucket.
-    #[inline]
-    fn range(&self, bucket: u32) -> (usize, usize) {
-        let bucket = bucket as usize;
-        (
-            self.starts[bucket] as usize,
-            self.starts[bucket + 1] as usize,
-        )
+        ranges
     }
 
     #[inline]
@@ -316,17 +309,21 @@ mod tests {
                 Vec3::new(x, y, sampler.next_1d()) * 4.0 - 2.0
             })
             .collect();
+        let mut near = Vec::new();
         let numbered: Vec<(Vec3, usize)> = points.iter().copied().zip(0..).collect();
         for radius in [0.01, 0.2, 1.5] {
             let grid = HashGrid::new(&numbered, radius, |p| *p);
             for x in points.iter().step_by(37) {
                 let x = *x + 0.3 * radius;
-                let mut found = Vec::new();
-                grid.for_each_near(x, |entry, _, _| found.push(entry.1));
+                grid.find(x, &mut near);
+                let mut found: Vec<usize> = near
+                    .iter()
+                    .map(|near| grid.entries()[near.number as usize].1)
+                    .collect();
                 found.sort_unstable();
-                let near = |p: &Vec3| p.distance_squared(x) < radius * radius;
+                let is_near = |p: &Vec3| p.distance_squared(x) < radius * radius;
                 let expected: Vec<usize> =
-                    (0..points.len()).filter(|i| near(&points[*i])).collect();
+                    (0..points.len()).filter(|i| is_near(&points[*i])).collect();
                 assert_eq!(found, expected, "radius {radius}");
             }
         }
@@ -335,6 +332,8 @@ mod tests {
     #[test]
     fn an_empty_grid_finds_nothing() {
         let grid = HashGrid::new(&[] as &[(Vec3, usize)], 0.1, |p| *p);
-        grid.for_each_near(Vec3::ZERO, |_, _, _| panic!("there is nothing"));
+        let mut near = Vec::new();
+        grid.find(Vec3::ZERO, &mut near);
+        assert!(near.is_empty());
     }
 }

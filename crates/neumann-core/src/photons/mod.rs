@@ -7,7 +7,7 @@
 mod hash_grid;
 mod kernel;
 
-pub use hash_grid::{HashGrid, Placed, Search};
+pub use hash_grid::{HashGrid, Near, Placed, Search};
 pub use kernel::Kernel;
 
 use glam::Vec3;

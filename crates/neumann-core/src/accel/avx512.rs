@@ -1,0 +1,321 @@
+//! Sixteen rays together through a small tree, in vectors of sixteen, for processors with AVX-512.
+//!
+//! Each box and each triangle is tested against all of them at once. Few of the lanes are wanted at most triangles, but hardly a
+//! branch depends on where a single ray goes, which costs a ray that walks by itself more than the tests.
+//!
+//! The same operations in the same order as in [`super::portable`], so that the bits agree.
+#![allow(
+    unsafe_code,
+    reason = "vector instructions; `Bvh` calls this module only where the processor has them"
+)]
+
+use std::arch::x86_64::{
+    __m512, __m512i, __mmask16, _CMP_EQ_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_add_epi32,
+    _mm512_add_ps, _mm512_and_si512, _mm512_castps_si512, _mm512_cmp_ps_mask,
+    _mm512_cmpeq_epi32_mask, _mm512_div_ps, _mm512_load_ps, _mm512_load_si512, _mm512_loadu_ps,
+    _mm512_mask_blend_epi32, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask,
+    _mm512_mask_cmplt_epu32_mask, _mm512_max_ps, _mm512_min_ps, _mm512_movepi32_mask,
+    _mm512_mul_ps, _mm512_or_si512, _mm512_permutexvar_ps, _mm512_set1_epi32, _mm512_set1_ps,
+    _mm512_setzero_ps, _mm512_store_ps, _mm512_store_si512, _mm512_sub_ps, _mm512_test_epi32_mask,
+};
+
+use super::Hit;
+use super::abreast::{PreparedLanes, RayLanes};
+use super::avx2::Avx2;
+use super::traverse::{self, FAR_PADDING};
+use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, SMALL_LEAVES, WIDTH, WideTree};
+use crate::math::lanes::{Lanes, lanes_of};
+
+pub(super) fn closest_of_lanes(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) {
+    // SAFETY: `Bvh` chooses this module only where all of the features were detected.
+    unsafe { closest_with_features(tree, rays, hits) }
+}
+
+pub(super) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> u32 {
+    // SAFETY: as above.
+    unsafe { any_with_features(tree, rays) }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
+fn closest_with_features(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) {
+    let prepared = PreparedLanes::new(rays);
+    let mut packet = Packet::new(rays, &prepared);
+    packet.walk(tree, rays.mask() as __mmask16, |_| 0);
+    let found = packet.best.stored();
+    for lane in lanes_of(rays.mask()) {
+        hits[lane] = found.get(lane);
+    }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
+fn any_with_features(tree: &WideTree, rays: &RayLanes) -> u32 {
+    let prepared = PreparedLanes::new(rays);
+    let mut packet = Packet::new(rays, &prepared);
+    let ends = packet.best.t;
+    // A hit at the very end does not count.
+    let is_stopped = |best: &Best| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(best.t, ends);
+    packet.walk(tree, rays.mask() as __mmask16, is_stopped);
+    u32::from(is_stopped(&packet.best)) & rays.mask()
+}
+
+/// Rays as both tests need them, and what they have met so far.
+struct Packet<'a> {
+    prepared: &'a PreparedLanes,
+    origin: [__m512; 3],
+    inverse: [__m512; 3],
+    is_negative: [__mmask16; 3],
+    /// For each axis of the sheared frame, where a leaf has the coordinates of a corner.
+    rows: [__m512i; 3],
+    sheared_origin: [__m512; 3],
+    shear: [__m512; 3],
+    best: Best,
+}
+
+/// The nearest hits; those with the index `u32::MAX` stand for none.
+#[derive(Clone, Copy)]
+struct Best {
+    t: __m512,
+    triangle: __m512i,
+    v: __m512,
+    w: __m512,
+}
+
+/// [`Best`] in memory.
+#[derive(Default)]
+struct Found {
+    t: Lanes<f32>,
+    triangle: Lanes<u32>,
+    v: Lanes<f32>,
+    w: Lanes<f32>,
+}
+
+#[inline(always)]
+fn load(lanes: &Lanes<f32>) -> __m512 {
+    // SAFETY: sixteen numbers at a multiple of 64 bytes.
+    unsafe { _mm512_load_ps(lanes.0.as_ptr()) }
+}
+
+#[inline(always)]
+fn load_integers(lanes: &Lanes<u32>) -> __m512i {
+    // SAFETY: as above.
+    unsafe { _mm512_load_si512(lanes.0.as_ptr().cast()) }
+}
+
+#[inline(always)]
+fn store(lanes: &mut Lanes<f32>, x: __m512) {
+    // SAFETY: room for sixteen numbers at a multiple of 64 bytes.
+    unsafe { _mm512_store_ps(lanes.0.as_mut_ptr(), x) }
+}
+
+#[inline(always)]
+fn store_integers(lanes: &mut Lanes<u32>, x: __m512i) {
+    // SAFETY: as above.
+    unsafe { _mm512_store_si512(lanes.0.as_mut_ptr().cast(), x) }
+}
+
+impl<'a> Packet<'a> {
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
+    fn new(rays: &RayLanes, prepared: &'a PreparedLanes) -> Self {
+        let origin = prepared.origin.axes().map(load);
+        let along = load_integers(&prepared.along);
+        let [is_y, is_z] =
+            [1, 2].map(|axis| _mm512_cmpeq_epi32_mask(along, _mm512_set1_epi32(axis)));
+        // Of what goes with x, y and z, the one of the axis that a ray runs along.
+        let pick = |of_x, of_y, of_z| {
+            let of_xy = _mm512_mask_blend_ps(is_y, of_x, of_y);
+            _mm512_mask_blend_ps(is_z, of_xy, of_z)
+        };
+        let [x, y, z] = origin;
+        let row = |of_x: i32, of_y: i32, of_z: i32| {
+            let at = |axis: i32| _mm512_set1_epi32(axis * LEAF_SIZE as i32);
+            let of_xy = _mm512_mask_blend_epi32(is_y, at(of_x), at(of_y));
+            _mm512_mask_blend_epi32(is_z, of_xy, at(of_z))
+        };
+        Self {
+            prepared,
+            origin,
+            inverse: prepared.inverse.each_ref().map(load),
+            is_negative: prepared
+                .is_negative
+                .each_ref()
+                .map(|lanes| _mm512_test_epi32_mask(load_integers(lanes), load_integers(lanes))),
+            rows: [row(1, 2, 0), row(2, 0, 1), row(0, 1, 2)],
+            sheared_origin: [pick(y, z, x), pick(z, x, y), pick(x, y, z)],
+            shear: prepared.shear.each_ref().map(load),
+            best: Best {
+                t: load(rays.ends()),
+                triangle: _mm512_set1_epi32(-1),
+                v: _mm512_setzero_ps(),
+                w: _mm512_setzero_ps(),
+            },
+        }
+    }
+
+    /// Walks the tree with `lanes`, of which those end that `are_done`.
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
+    fn walk(&mut self, tree: &WideTree, lanes: __mmask16, are_done: impl Fn(&Best) -> __mmask16) {
+        let mut nodes = [(0, lanes); SMALL_LEAVES];
+        let (mut n_met, mut n_nodes) = (0, 1);
+        while n_met < n_nodes {
+            let (node, lanes) = nodes[n_met];
+            n_met += 1;
+            let node = &tree.nodes[node as usize];
+            for child in 0..WIDTH {
+                let met = lanes & self.meet_box(node, child) & !are_done(&self.best);
+                let link = node.children[child];
+                if met == 0 {
+                    continue;
+                }
+                if link & LEAF != 0 {
+                    self.meet_leaf(&tree.leaves[(link & !LEAF) as usize], met);
+                } else {
+                    nodes[n_nodes] = (link, met);
+                    n_nodes += 1;
+                }
+            }
+        }
+    }
+
+    /// Which rays meet a child of a node before their ends.
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
+    #[inline]
+    fn meet_box(&self, node: &Node, child: usize) -> __mmask16 {
+        let mut near = _mm512_setzero_ps();
+        let mut far = _mm512_set1_ps(f32::INFINITY);
+        for axis in 0..3 {
+            let low = _mm512_set1_ps(node.bounds[2 * axis][child]);
+            let high = _mm512_set1_ps(node.bounds[2 * axis + 1][child]);
+            let first = _mm512_mask_blend_ps(self.is_negative[axis], low, high);
+            let last = _mm512_mask_blend_ps(self.is_negative[axis], high, low);
+            let distance =
+                |side| _mm512_mul_ps(_mm512_sub_ps(side, self.origin[axis]), self.inverse[axis]);
+            near = _mm512_max_ps(distance(first), near);
+            far = _mm512_min_ps(distance(last), far);
+        }
+        far = _mm512_mul_ps(_mm512_min_ps(far, self.best.t), _mm512_set1_ps(FAR_PADDING));
+        _mm512_cmp_ps_mask::<_CMP_LE_OQ>(near, far)
+    }
+
+    /// Meets the triangles of a leaf.
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
+    fn meet_leaf(&mut self, leaf: &Leaf, mut lanes: __mmask16) {
+        let [sx, sy, sz] = self.shear;
+        let [ox, oy, oz] = self.sheared_origin;
+        let zero = _mm512_setzero_ps();
+        let mut best = self.best;
+        // Coordinates of a corner, with what follows them in memory: four x, four y, four z.
+        let start = std::ptr::from_ref(leaf).cast::<f32>();
+        // SAFETY: a leaf is nine times four coordinates and four indices, of four bytes each.
+        let corners = [0, 1, 2].map(|i| unsafe { _mm512_loadu_ps(start.add(3 * LEAF_SIZE * i)) });
+        for (i, triangle) in leaf.triangles.into_iter().enumerate() {
+            if i > 0 && triangle == leaf.triangles[0] {
+                break;
+            }
+            let [x, y, z] = self
+                .rows
+                .map(|row| _mm512_add_epi32(row, _mm512_set1_epi32(i as i32)));
+            let sheared = |corner| {
+                let depth = _mm512_sub_ps(_mm512_permutexvar_ps(z, corner), oz);
+                let x = _mm512_sub_ps(_mm512_permutexvar_ps(x, corner), ox);
+                let y = _mm512_sub_ps(_mm512_permutexvar_ps(y, corner), oy);
+                [
+                    _mm512_sub_ps(x, _mm512_mul_ps(sx, depth)),
+                    _mm512_sub_ps(y, _mm512_mul_ps(sy, depth)),
+                    depth,
+                ]
+            };
+            let [a, b, c] = [
+                sheared(corners[0]),
+                sheared(corners[1]),
+                sheared(corners[2]),
+            ];
+            let edge = |p: &[__m512; 3], q: &[__m512; 3]| {
+                _mm512_sub_ps(_mm512_mul_ps(p[0], q[1]), _mm512_mul_ps(p[1], q[0]))
+            };
+            let (u, v, w) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
+            let is_zero = |x| _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(x, zero);
+            let on_edge = lanes & (is_zero(u) | is_zero(v) | is_zero(w));
+            if on_edge != 0 {
+                // Double precision decides, ray by ray.
+                best = self.meet_leaf_alone(leaf, on_edge, best);
+                lanes &= !on_edge;
+            }
+            // No edge function is zero now, so that all three have the sign of one or not.
+            let [u_bits, v_bits, w_bits] = [u, v, w].map(|x| _mm512_castps_si512(x));
+            let or = _mm512_or_si512(_mm512_or_si512(u_bits, v_bits), w_bits);
+            let and = _mm512_and_si512(_mm512_and_si512(u_bits, v_bits), w_bits);
+            let inside = lanes & (!_mm512_movepi32_mask(or) | _mm512_movepi32_mask(and));
+            let determinant = _mm512_add_ps(_mm512_add_ps(u, v), w);
+            let inverse = _mm512_div_ps(_mm512_set1_ps(1.0), determinant);
+            let scaled = _mm512_add_ps(
+                _mm512_add_ps(_mm512_mul_ps(u, a[2]), _mm512_mul_ps(v, b[2])),
+                _mm512_mul_ps(w, c[2]),
+            );
+            let t = _mm512_mul_ps(_mm512_mul_ps(sz, scaled), inverse);
+            let index = _mm512_set1_epi32(triangle as i32);
+            let ahead = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(inside, t, zero);
+            let nearer = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(ahead, t, best.t);
+            let as_near = _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(ahead, t, best.t);
+            let is_hit = nearer | _mm512_mask_cmplt_epu32_mask(as_near, index, best.triangle);
+            best = Best {
+                t: _mm512_mask_blend_ps(is_hit, best.t, t),
+                triangle: _mm512_mask_blend_epi32(is_hit, best.triangle, index),
+                v: _mm512_mask_blend_ps(is_hit, best.v, _mm512_mul_ps(v, inverse)),
+                w: _mm512_mask_blend_ps(is_hit, best.w, _mm512_mul_ps(w, inverse)),
+            };
+        }
+        self.best = best;
+    }
+
+    /// The same, ray by ray.
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
+    #[cold]
+    #[inline(never)]
+    fn meet_leaf_alone(&self, leaf: &Leaf, lanes: __mmask16, best: Best) -> Best {
+        let mut found = best.stored();
+        for lane in lanes_of(u32::from(lanes)) {
+            let prepared = self.prepared.get(lane);
+            let mut hit = found.get(lane);
+            traverse::meet_leaf::<Avx2>(leaf, &prepared, hit.t, &mut hit);
+            found.set(lane, &hit);
+        }
+        Best {
+            t: load(&found.t),
+            triangle: load_integers(&found.triangle),
+            v: load(&found.v),
+            w: load(&found.w),
+        }
+    }
+}
+
+impl Best {
+    #[target_feature(enable = "avx512f")]
+    #[inline]
+    fn stored(&self) -> Found {
+        let mut found = Found::default();
+        store(&mut found.t, self.t);
+        store_integers(&mut found.triangle, self.triangle);
+        store(&mut found.v, self.v);
+        store(&mut found.w, self.w);
+        found
+    }
+}
+
+impl Found {
+    #[inline(always)]
+    fn get(&self, lane: usize) -> Hit {
+        Hit {
+            t: self.t.get(lane),
+            triangle: self.triangle.get(lane),
+            barycentrics: [self.v.get(lane), self.w.get(lane)],
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, hit: &Hit) {
+        self.t.set(lane, hit.t);
+        self.triangle.set(lane, hit.triangle);
+        self.v.set(lane, hit.barycentrics[0]);
+        self.w.set(lane, hit.barycentrics[1]);
+    }
+}

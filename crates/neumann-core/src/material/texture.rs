@@ -28,8 +28,11 @@ pub struct Texture {
     wrap_u: Wrap,
     wrap_v: Wrap,
     filter: Filter,
-    color_space: ColorSpace,
+    /// What the bytes of the colour channels stand for.
+    values: &'static [f32; 256],
 }
+
+static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| linear(i as u8)));
 
 static LINEAR_FROM_SRGB: LazyLock<[f32; 256]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
@@ -59,7 +62,10 @@ impl Texture {
             wrap_u: description.wrap_u,
             wrap_v: description.wrap_v,
             filter: description.filter,
-            color_space,
+            values: match color_space {
+                ColorSpace::Linear => &LINEAR,
+                ColorSpace::Srgb => &LINEAR_FROM_SRGB,
+            },
         })
     }
 
@@ -70,17 +76,20 @@ impl Texture {
         if !p.is_finite() {
             return Vec4::ONE;
         }
-        let (w, h) = (self.image.width as i64, self.image.height as i64);
-        let scaled = p * Vec2::new(w as f32, h as f32);
+        let size = Vec2::new(self.image.width as f32, self.image.height as f32);
+        let scaled = p * size;
         if self.filter == Filter::Nearest {
-            return self.texel(scaled.x.floor() as i64, scaled.y.floor() as i64);
+            return self.texel(self.column(floor(scaled.x)), self.row(floor(scaled.y)));
         }
         let shifted = scaled - 0.5;
-        let base = shifted.floor();
-        let s = shifted - base;
-        let (x, y) = (base.x as i64, base.y as i64);
-        let top = self.texel(x, y).lerp(self.texel(x + 1, y), s.x);
-        let bottom = self.texel(x, y + 1).lerp(self.texel(x + 1, y + 1), s.x);
+        let (x, y) = (floor(shifted.x), floor(shifted.y));
+        let s = shifted - Vec2::new(x as f32, y as f32);
+        let columns = [self.column(x), self.column(x + 1)];
+        let [top, bottom] = [y, y + 1].map(|y| {
+            let row = self.row(y);
+            let [left, right] = columns.map(|column| self.texel(column, row));
+            left.lerp(right, s.x)
+        });
         top.lerp(bottom, s.y)
     }
 
@@ -96,27 +105,42 @@ impl Texture {
         scale * self.image.width.max(self.image.height) as f32
     }
 
-    fn texel(&self, x: i64, y: i64) -> Vec4 {
-        let x = wrapped(x, self.image.width as i64, self.wrap_u);
-        let y = wrapped(y, self.image.height as i64, self.wrap_v);
-        let [r, g, b, a] = self.image.texels[y * self.image.width + x];
-        let linear = |c: u8| f32::from(c) * (1.0 / 255.0);
-        match self.color_space {
-            ColorSpace::Linear => Vec4::new(linear(r), linear(g), linear(b), linear(a)),
-            ColorSpace::Srgb => {
-                let table = &*LINEAR_FROM_SRGB;
-                Vec4::new(
-                    table[usize::from(r)],
-                    table[usize::from(g)],
-                    table[usize::from(b)],
-                    linear(a),
-                )
-            }
-        }
+    #[inline]
+    fn column(&self, x: i64) -> usize {
+        wrapped(x, self.image.width as i64, self.wrap_u)
+    }
+
+    #[inline]
+    fn row(&self, y: i64) -> usize {
+        wrapped(y, self.image.height as i64, self.wrap_v)
+    }
+
+    #[inline]
+    fn texel(&self, column: usize, row: usize) -> Vec4 {
+        let [r, g, b, a] = self.image.texels[row * self.image.width + column];
+        let [r, g, b] = [r, g, b].map(|c| self.values[usize::from(c)]);
+        Vec4::new(r, g, b, linear(a))
     }
 }
 
+#[inline]
+fn linear(c: u8) -> f32 {
+    f32::from(c) * (1.0 / 255.0)
+}
+
+/// Rounds down, without the call that it takes on processors as old as this program may run on.
+#[inline]
+fn floor(x: f32) -> i64 {
+    let towards_zero = x as i32;
+    i64::from(towards_zero) - i64::from(towards_zero as f32 > x)
+}
+
+#[inline]
 fn wrapped(i: i64, n: i64, wrap: Wrap) -> usize {
+    if (0..n).contains(&i) {
+        // Nothing to divide for, however the image goes on.
+        return i as usize;
+    }
     let j = match wrap {
         Wrap::Repeat => i.rem_euclid(n),
         Wrap::MirroredRepeat => {

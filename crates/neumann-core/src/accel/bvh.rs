@@ -29,6 +29,9 @@ pub struct Bvh {
 
 /// Preparing sixteen rays in vectors takes as long as preparing about so many one by one.
 const FEWEST_ABREAST: u32 = 6;
+/// Taking sixteen rays through a small tree together takes as long as about so many that walk it one by one.
+#[cfg(target_arch = "x86_64")]
+const FEWEST_TOGETHER: u32 = 9;
 
 /// How much work goes into a tree. What a ray meets is the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -193,7 +196,7 @@ impl Bvh {
             #[cfg(target_arch = "x86_64")]
             Kernel::Avx2 => avx2::plain::closest_of_lanes(&self.tree, rays, &mut hits),
             #[cfg(target_arch = "x86_64")]
-            Kernel::Avx512 if self.tree.is_small() => {
+            Kernel::Avx512 if self.go_together(rays) => {
                 avx512::closest_of_lanes(&self.tree, rays, &mut hits);
             }
             #[cfg(target_arch = "x86_64")]
@@ -213,7 +216,7 @@ impl Bvh {
             #[cfg(target_arch = "x86_64")]
             Kernel::Avx2 => avx2::plain::any_of_lanes(&self.tree, rays),
             #[cfg(target_arch = "x86_64")]
-            Kernel::Avx512 if self.tree.is_small() => avx512::any_of_lanes(&self.tree, rays),
+            Kernel::Avx512 if self.go_together(rays) => avx512::any_of_lanes(&self.tree, rays),
             #[cfg(target_arch = "x86_64")]
             Kernel::Avx512 => avx2::avx512::any_of_lanes(&self.tree, rays),
         }
@@ -225,6 +228,13 @@ impl Bvh {
         rays.mask().count_ones() >= FEWEST_ABREAST
             && self.instances.is_none()
             && !self.tree.nodes.is_empty()
+    }
+
+    /// True if they had better go on together, given vectors of sixteen.
+    #[cfg(target_arch = "x86_64")]
+    #[inline]
+    fn go_together(&self, rays: &RayLanes) -> bool {
+        self.tree.is_small() && rays.mask().count_ones() >= FEWEST_TOGETHER
     }
 
     /// Boxes (minimum and maximum) that together hold everything that a ray could meet: those of the uppermost nodes, at

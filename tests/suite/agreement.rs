@@ -289,3 +289,31 @@ fn planted_errors_are_noticed() {
         }
     }
 }
+
+/// Light paths are one sequence, which numbers of pixels that are powers of two divide into parts that are alike: a
+/// pixel that met the light paths of one part only would show it, and all of its neighbours eight columns away with it.
+#[test]
+fn each_pixel_is_joined_to_all_light_paths() {
+    const N: usize = 64;
+    const COLUMNS: usize = 8;
+    let scene = builtin("cornell");
+    let columns = |id: &str| {
+        let setup = Setup::new(&scene, N, N).by(method(id).expect("a method of the registry"));
+        let film = setup.film(0, 256);
+        let mut sums = [0.0; COLUMNS];
+        for (i, pixel) in film.total().iter().enumerate() {
+            sums[i % COLUMNS] += f64::from(pixel.luminance());
+        }
+        sums
+    };
+    let expected = columns("pt-mis");
+    for id in ["bdpt", "vcm"] {
+        for (column, (a, b)) in columns(id).into_iter().zip(expected).enumerate() {
+            let ratio = a / b;
+            assert!(
+                (ratio - 1.0).abs() < 0.01,
+                "{id}, every eighth column from {column}: {ratio:.4}"
+            );
+        }
+    }
+}

@@ -74,12 +74,13 @@ impl Integrator for Bidirectional {
         // One light path for each camera path.
         let n_paths = pass.n_pixels();
         let numbers = pass.light_numbers(n_paths);
+        let shift = pass.light_path_shift(n_paths);
         let weighing = Weighing::connections(self.heuristic, 1.0);
         let room = || LightSubpath::new(scene);
         pass.trace_pixels_with(scene, room, |lights, sample, tracer, sampler, sink| {
             // The light path, each vertex of it aimed at the lens.
             lights.clear();
-            let numbers = &mut numbers.path(sample.index);
+            let numbers = &mut numbers.path((sample.index + shift) % n_paths);
             if let Some(start) = scene.lights().start(&start_sample(numbers)) {
                 let mut walk = Walk::from_light(&start, &weighing);
                 loop {

@@ -225,6 +225,7 @@ impl Integrator for Vcm {
                 });
             }
         };
+        let shift = pass.light_path_shift(n_paths);
         let room = || (LightSubpath::new(scene), Vec::new());
         pass.trace_pixels_with(
             scene,
@@ -232,7 +233,7 @@ impl Integrator for Vcm {
             |(lights, near), sample, tracer, sampler, sink| {
                 lights.clear();
                 if has_connections {
-                    let path = paths.of_path(sample.index % n_paths);
+                    let path = paths.of_path((sample.index + shift) % n_paths);
                     for vertex in path {
                         lights.push(vertex.restored(tracer));
                     }

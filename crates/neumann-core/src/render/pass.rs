@@ -202,6 +202,14 @@ impl<'a> Pass<'a> {
         }
     }
 
+    /// How far the light path that a pixel's path is joined to is from the pixel's own number, of `n_paths` around. It changes from
+    /// one iteration to the next: the low digits of a light path's number, and with them where it begins, may be the same in all.
+    #[must_use]
+    pub fn light_path_shift(&self, n_paths: usize) -> usize {
+        let u = Sampler::new(self.seed, u64::MAX, self.iteration).next_1d();
+        (f64::from(u) * n_paths as f64) as usize
+    }
+
     /// Random numbers of light paths that are the same in every iteration.
     #[must_use]
     pub fn fixed_light_numbers(&self) -> LightNumbers {

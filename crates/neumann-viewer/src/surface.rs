@@ -138,10 +138,7 @@ impl Surface {
 }
 
 /// Takes over the textures that egui made or changed.
-#[allow(
-    clippy::iter_over_hash_type,
-    reason = "no texture depends on another, so their order does not matter"
-)]
+#[allow(clippy::iter_over_hash_type, reason = "no texture depends on another")]
 pub(crate) fn update_textures(
     renderer: &mut Renderer,
     device: &wgpu::Device,
@@ -156,10 +153,7 @@ pub(crate) fn update_textures(
 }
 
 /// Gives up the textures that egui no longer needs; only after the frame has been submitted.
-#[allow(
-    clippy::iter_over_hash_type,
-    reason = "no texture depends on another, so their order does not matter"
-)]
+#[allow(clippy::iter_over_hash_type, reason = "no texture depends on another")]
 pub(crate) fn free_textures(renderer: &mut Renderer, delta: &mut egui::TexturesDelta) {
     for id in delta.free.drain() {
         renderer.free_texture(&id);

@@ -1,10 +1,9 @@
 //! Both tests in vectors of eight and four, for processors with AVX2, or with AVX-512 too.
 //!
 //! The same operations in the same order as in [`super::portable`], so that the bits agree.
-#![allow(
-    unsafe_code,
-    reason = "vector instructions; `Bvh` calls this module only where the processor has them"
-)]
+//!
+//! Unsafe are the vector instructions alone; `Bvh` calls this module only where the processor has them.
+#![allow(unsafe_code, reason = "vector instructions")]
 
 use std::arch::x86_64::{
     __m128, __m256, _CMP_EQ_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NEQ_UQ, _MM_HINT_T0,

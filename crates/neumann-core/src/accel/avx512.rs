@@ -4,10 +4,9 @@
 //! branch depends on where a single ray goes, which costs a ray that walks by itself more than the tests.
 //!
 //! The same operations in the same order as in [`super::portable`], so that the bits agree.
-#![allow(
-    unsafe_code,
-    reason = "vector instructions; `Bvh` calls this module only where the processor has them"
-)]
+//!
+//! Unsafe are the vector instructions alone; `Bvh` calls this module only where the processor has them.
+#![allow(unsafe_code, reason = "vector instructions")]
 
 use std::arch::x86_64::{
     __m512, __m512i, __mmask16, _CMP_EQ_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_add_epi32,

@@ -428,7 +428,7 @@ mod tests {
     use glam::Vec3;
     use obvhs::triangle::Triangle;
 
-    use super::super::bvh::{TreeQuality, binary_tree};
+    use super::super::build::{TreeQuality, binary_tree};
     use super::{Items, LEAF, WideTree, collapse};
     use crate::sampling::{Sampler, warp};
 

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3};
 use obvhs::aabb::Aabb;
 
-use super::bvh::{TreeQuality, binary_tree, halves, tree_of_triangles};
+use super::build::{TreeQuality, binary_tree, halves, tree_of_triangles};
 use super::wide::WideTree;
 use crate::math::Ray;
 

@@ -1,6 +1,6 @@
 //! Finds what a ray meets.
 //!
-//! obvhs builds a binary tree; `collapse` makes a `wide` one of it, with nodes of eight children and
+//! obvhs builds a binary tree (`build`); `collapse` makes a `wide` one of it, with nodes of eight children and
 //! leaves of four triangles; `traverse` walks it. The two tests that it asks for, of boxes and of triangles, are
 //! written over arrays for any processor (`portable`) and in vectors for those with AVX2 (`avx2`), which are compiled once more
 //! for those with AVX-512; which of the three runs is chosen when the tree is built. `instances` is for
@@ -12,6 +12,7 @@ mod abreast;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod build;
 mod bvh;
 mod collapse;
 mod instances;
@@ -21,5 +22,6 @@ mod traverse;
 mod wide;
 
 pub(crate) use abreast::{HitLanes, RayLanes};
-pub use bvh::{Bvh, Hit, TreeQuality};
+pub use build::TreeQuality;
+pub use bvh::{Bvh, Hit};
 pub use instances::Placement;

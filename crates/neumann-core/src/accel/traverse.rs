@@ -449,10 +449,8 @@ impl Stack {
     }
 
     #[inline(always)]
-    #[allow(
-        unsafe_code,
-        reason = "zeroing the stack for every ray costs as much as a node"
-    )]
+    // Zeroing the stack for every ray costs as much as a node.
+    #[allow(unsafe_code, reason = "the stack is not initialised")]
     fn get(&self, i: usize) -> u64 {
         // SAFETY: callers read below the top, which was written.
         unsafe { self.0[i].assume_init() }

@@ -86,6 +86,14 @@ impl RayLanes {
         self.end.set(lane, 1.0);
     }
 
+    /// Puts the ray of a lane of others into a lane; not there before [`Self::set_mask`] says so.
+    #[inline(always)]
+    pub(crate) fn copy(&mut self, lane: usize, others: &Self, of: usize) {
+        self.origin.set(lane, others.origin.get(of));
+        self.direction.set(lane, others.direction.get(of));
+        self.end.set(lane, others.end.get(of));
+    }
+
     /// One bit for each lane that has a ray.
     #[inline(always)]
     pub(crate) fn mask(&self) -> u32 {

@@ -8,17 +8,13 @@
 //!
 //! Emitters seen directly are left to the camera (s = 0, t = 2).
 
-use crate::integrator::bidirectional::connect::{
-    hit_emitter, hit_environment, hit_lens, next_event, splat,
-};
-use crate::integrator::bidirectional::{Heuristic, LightSubpath, Walk, Weighing};
+use crate::film::TILE_PIXELS;
+use crate::integrator::bidirectional::{CameraEnd, CameraRoom, Heuristic, LightEnd, Weighing};
 use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
-use crate::render::{Cancelled, Pass};
+use crate::render::{Cancelled, Collected, Pass, PixelPath};
 use crate::scene::Scene;
-use crate::transport::reflection::{light_sample, start_sample};
 
-use super::light_tracing::{ROULETTE, lens_sample};
-use super::path_tracing::add_unlit;
+use super::light_tracing::ROULETTE;
 
 /// The row of the registry.
 pub static METHOD: Method = Method {
@@ -68,88 +64,43 @@ struct Bidirectional {
 
 impl Integrator for Bidirectional {
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        let max_bounces = pass.max_bounces();
-        let camera = pass.camera();
-        let has_roulette = self.has_roulette;
         // One light path for each camera path.
         let n_paths = pass.n_pixels();
         let numbers = pass.light_numbers(n_paths);
         let shift = pass.light_path_shift(n_paths);
+        let (camera, max_bounces) = (pass.camera(), pass.max_bounces());
         let weighing = Weighing::connections(self.heuristic, 1.0);
-        let room = || LightSubpath::new(scene);
-        pass.trace_pixels_with(scene, room, |lights, sample, tracer, sampler, sink| {
-            // The light path, each vertex of it aimed at the lens.
-            lights.clear();
-            let numbers = &mut numbers.path((sample.index + shift) % n_paths);
-            if let Some(start) = scene.lights().start(&start_sample(numbers)) {
-                let mut walk = Walk::from_light(&start, &weighing);
-                loop {
-                    let before = walk;
-                    let vertex = walk.meet(tracer, &weighing);
-                    if camera.has_lens() {
-                        let met = vertex.as_ref();
-                        if let Some((raster, seen)) =
-                            hit_lens(camera, &before, met, n_paths, &weighing)
-                        {
-                            sink.splat(raster, seen);
-                        }
-                    }
-                    let Some(vertex) = vertex else { break };
-                    if walk.bounce() == max_bounces {
-                        break;
-                    }
-                    numbers.start_bounce(walk.bounce());
-                    if vertex.surface.bsdf.has_density() {
-                        let u = lens_sample(numbers);
-                        if let Some((raster, seen)) =
-                            splat(tracer, camera, &vertex, u, n_paths, &weighing)
-                        {
-                            sink.splat(raster, seen);
-                        }
-                        lights.push(vertex);
-                    }
-                    if !walk.scatter(&vertex, numbers, has_roulette, &weighing) {
-                        break;
-                    }
-                }
-            }
-
-            // The camera path.
-            let u = lens_sample(sampler);
-            let mut walk = Walk::from_camera(camera, sample.raster, u, &weighing);
-            loop {
-                // s = 0: L_e where the path runs into it.
-                let Some(vertex) = walk.meet(tracer, &weighing) else {
-                    if let Some(found) = hit_environment(tracer, &walk, &weighing) {
-                        sink.add(found);
-                    }
-                    return;
-                };
-                if walk.bounce() == 0 {
-                    add_unlit(tracer, &vertex.surface, sink);
-                }
-                if let Some(found) = hit_emitter(tracer, &walk, &vertex, &weighing) {
-                    sink.add(found);
-                }
-                if walk.bounce() == max_bounces {
-                    return;
-                }
-                sampler.start_bounce(walk.bounce());
-                if vertex.surface.bsdf.has_density() {
-                    // s = 1: a light aimed at.
-                    let u = light_sample(sampler);
-                    if let Some(found) = next_event(tracer, &vertex, &u, &weighing) {
-                        sink.add(found);
-                    }
-                    // s ≥ 2: every vertex of the light path that leaves the path short enough.
-                    lights.connect(tracer, &vertex, max_bounces, &weighing, |found| {
-                        sink.add(found);
-                    });
-                }
-                if !walk.scatter(&vertex, sampler, has_roulette, &weighing) {
-                    return;
-                }
-            }
+        let light = LightEnd {
+            scene,
+            camera,
+            n_paths,
+            max_bounces,
+            has_roulette: self.has_roulette,
+            has_connections: true,
+            weighing,
+        };
+        let camera = CameraEnd {
+            scene,
+            camera,
+            max_bounces,
+            has_roulette: self.has_roulette,
+            has_connections: true,
+            merging: None,
+            weighing,
+        };
+        let room = || (CameraRoom::new(scene), Vec::new(), Collected::default());
+        pass.trace_pixels_together_with(scene, room, |room, pixels, tracer, sink| {
+            let (room, kept, paths) = room;
+            // The light paths of a tile, each vertex of them aimed at the lens.
+            let starts = pixels
+                .indices()
+                .map(|(number, index)| (number, numbers.path((index + shift) % n_paths)));
+            kept.clear();
+            light.trace(starts, tracer, sink, kept);
+            paths.sort(kept, TILE_PIXELS);
+            // Its camera paths, each joined with one of them.
+            let light_path = |pixel: &PixelPath<'_>| paths.of_path(pixel.place.in_tile());
+            camera.trace(pixels, light_path, room, tracer, sink);
         })
     }
 }

@@ -12,23 +12,20 @@
 //! Three numbers run along with each walk, `d_vcm`, `d_vc` and `d_vm`, from which the weight of any joint
 //! follows. The radius shrinks from iteration to iteration, so that the bias of merging vanishes.
 
-use glam::Vec3;
-
-use crate::film::{Contribution, PhotonReport, Strategy};
+use crate::film::PhotonReport;
 use crate::integrator::{
     Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
 };
-use crate::photons::{HashGrid, Near, Photon, Placed, Search};
-use crate::render::{Cancelled, Collected, Pass, Sink};
+use crate::photons::HashGrid;
+use crate::render::{Cancelled, Collected, Pass, PixelPath};
 use crate::scene::Scene;
-use crate::transport::Tracer;
-use crate::transport::reflection::{light_sample, start_sample};
+use crate::transport::reflection::start_sample;
 
 use super::bdpt::{HEURISTIC, heuristic};
-use super::bidirectional::connect::{hit_emitter, hit_environment, hit_lens, next_event, splat};
-use super::bidirectional::{Heuristic, LightSubpath, Partial, Vertex, Walk, Weighing};
-use super::light_tracing::{ROULETTE, lens_sample};
-use super::path_tracing::{add_unlit, hit};
+use super::bidirectional::{
+    CameraEnd, CameraRoom, Heuristic, LightEnd, LightVertex, Mergeable, Merging, Walk, Weighing,
+};
+use super::light_tracing::ROULETTE;
 
 /// The row of the registry.
 pub static METHOD: Method = Method {
@@ -89,43 +86,6 @@ struct Vcm {
     grid: HashGrid<Mergeable>,
 }
 
-/// A light vertex as merging needs it: one line of a processor's cache.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-struct Mergeable {
-    photon: Photon,
-    d_vcm: f32,
-    d_vm: f32,
-}
-
-impl Mergeable {
-    /// The quantities that merging needs.
-    #[inline]
-    fn partial(&self) -> Partial {
-        Partial {
-            d_vcm: self.d_vcm,
-            d_vc: 0.0,
-            d_vm: self.d_vm,
-        }
-    }
-}
-
-impl Placed for Mergeable {
-    #[inline]
-    fn position(&self) -> Vec3 {
-        self.photon.position
-    }
-}
-
-/// A light vertex as connecting needs it: also what makes the surface there again.
-#[derive(Clone, Copy, Debug)]
-struct LightVertex {
-    photon: Photon,
-    partial: Partial,
-    triangle: u32,
-    barycentrics: [f32; 2],
-}
-
 /// Memory that light vertices and their index may take, bytes: fewer light paths are traced where they would take more.
 const MEMORY: usize = 1 << 30;
 /// Paths whose lengths are looked at to know how many fit.
@@ -146,50 +106,26 @@ impl Integrator for Vcm {
         }
 
         // First pass: light paths.
+        let light = LightEnd {
+            scene,
+            camera,
+            n_paths,
+            max_bounces,
+            has_roulette,
+            has_connections,
+            weighing,
+        };
         let numbers = pass.light_numbers(n_paths);
-        pass.trace_light_paths_into(
+        pass.collect_light_paths_together(
             &mut self.paths,
             scene,
             n_paths,
             numbers,
-            |_, tracer, sampler, sink, kept| {
-                let Some(start) = scene.lights().start(&start_sample(sampler)) else {
-                    return;
-                };
-                let mut walk = Walk::from_light(&start, &weighing);
-                loop {
-                    let before = walk;
-                    let vertex = walk.meet(tracer, &weighing);
-                    if has_connections && camera.has_lens() {
-                        let found = hit_lens(camera, &before, vertex.as_ref(), n_paths, &weighing);
-                        if let Some((raster, seen)) = found {
-                            sink.splat(raster, seen);
-                        }
-                    }
-                    let Some(vertex) = vertex else { return };
-                    if walk.bounce() == max_bounces {
-                        return;
-                    }
-                    if vertex.surface.bsdf.has_density() {
-                        kept.push(LightVertex::of(&vertex));
-                    }
-                    sampler.start_bounce(walk.bounce());
-                    if has_connections && vertex.surface.bsdf.has_density() {
-                        let u = lens_sample(sampler);
-                        let found = splat(tracer, camera, &vertex, u, n_paths, &weighing);
-                        if let Some((raster, seen)) = found {
-                            sink.splat(raster, seen);
-                        }
-                    }
-                    if !walk.scatter(&vertex, sampler, has_roulette, &weighing) {
-                        return;
-                    }
-                }
-            },
+            |paths, tracer, sink, kept| light.trace(paths.enumerate(), tracer, sink, kept),
         )?;
         let paths = &self.paths;
         if has_merges {
-            self.grid.fill(&paths.items, radius, LightVertex::mergeable);
+            self.grid.fill(&paths.items, radius, Mergeable::of);
         }
         let grid = has_merges.then_some(&self.grid);
         pass.report(PhotonReport {
@@ -200,116 +136,22 @@ impl Integrator for Vcm {
         });
 
         // Second pass: camera paths.
-        let per_merge = std::f32::consts::FRAC_1_PI / (radius * radius * n_paths as f32);
-        // All light vertices near one of the camera's.
-        let merge = |vertex: &Vertex<'_>, near: &[Near], sink: &mut Sink<'_>| {
-            for found in near {
-                let light = &self.grid.entries()[found.number as usize];
-                let strategy = Strategy::merge(light.photon.n_vertices, vertex.n_vertices);
-                if strategy.bounce() > max_bounces {
-                    continue;
-                }
-                let Some(scattered) = light.photon.scattered(&vertex.surface) else {
-                    continue;
-                };
-                sink.add(Contribution {
-                    value: vertex.throughput * scattered.f_power * per_merge,
-                    mis_weight: weighing.merge(
-                        vertex.partial,
-                        light.partial(),
-                        scattered.scattering.pdf_w_forward,
-                        scattered.scattering.pdf_w_reverse,
-                    ),
-                    bounce: strategy.bounce(),
-                    strategy,
-                });
-            }
+        let camera = CameraEnd {
+            scene,
+            camera,
+            max_bounces,
+            has_roulette,
+            has_connections,
+            merging: grid.map(|grid| Merging::new(grid, radius, n_paths)),
+            weighing,
         };
         let shift = pass.light_path_shift(n_paths);
-        let room = || (LightSubpath::new(scene), Vec::new());
-        pass.trace_pixels_with(
-            scene,
-            room,
-            |(lights, near), sample, tracer, sampler, sink| {
-                lights.clear();
-                if has_connections {
-                    let path = paths.of_path((sample.index + shift) % n_paths);
-                    for vertex in path {
-                        lights.push(vertex.restored(tracer));
-                    }
-                }
-                let u = lens_sample(sampler);
-                let mut walk = Walk::from_camera(camera, sample.raster, u, &weighing);
-                // The vertex that is still to be merged, with its search. What it looks for is far away in memory, so it
-                // is taken step by step, and comes to its end one vertex later.
-                let mut merging: Option<(Vertex<'_>, Search)> = None;
-                loop {
-                    let met = walk.meet(tracer, &weighing);
-                    if let Some((_, search)) = &merging {
-                        self.grid.finish(search, near);
-                    }
-                    let Some(vertex) = met else {
-                        if has_connections {
-                            if let Some(found) = hit_environment(tracer, &walk, &weighing) {
-                                sink.add(found);
-                            }
-                        } else if walk.is_specular {
-                            let radiance =
-                                scene.lights().environment_radiance(walk.ray.direction());
-                            let bounce = u32::from(walk.n_vertices) - 1;
-                            sink.add(hit(bounce, walk.throughput * radiance, 1.0));
-                        }
-                        break;
-                    };
-                    let bounce = walk.bounce();
-                    if bounce == 0 {
-                        add_unlit(tracer, &vertex.surface, sink);
-                    }
-                    if has_connections {
-                        if let Some(found) = hit_emitter(tracer, &walk, &vertex, &weighing) {
-                            sink.add(found);
-                        }
-                    } else if walk.is_specular {
-                        // Merging alone cannot find light by way of mirrors only.
-                        let emitted = tracer.emitted(&vertex.surface);
-                        sink.add(hit(bounce, vertex.throughput * emitted, 1.0));
-                    }
-                    if bounce == max_bounces {
-                        break;
-                    }
-                    sampler.start_bounce(bounce);
-                    let joins = vertex.surface.bsdf.has_density();
-                    let search = grid
-                        .filter(|_| joins)
-                        .map(|grid| grid.begin(vertex.surface.point.position));
-                    if joins && has_connections {
-                        let u = light_sample(sampler);
-                        if let Some(found) = next_event(tracer, &vertex, &u, &weighing) {
-                            sink.add(found);
-                        }
-                        lights.connect(tracer, &vertex, max_bounces, &weighing, |found| {
-                            sink.add(found);
-                        });
-                    }
-                    if let Some((before, _)) = merging.take() {
-                        merge(&before, near, sink);
-                    }
-                    if let Some(search) = search {
-                        self.grid.approach(&search);
-                        merging = Some((vertex, search));
-                    }
-                    if !walk.scatter(&vertex, sampler, has_roulette, &weighing) {
-                        if let Some((_, search)) = &merging {
-                            self.grid.finish(search, near);
-                        }
-                        break;
-                    }
-                }
-                if let Some((last, _)) = merging {
-                    merge(&last, near, sink);
-                }
-            },
-        )
+        let room = || CameraRoom::new(scene);
+        pass.trace_pixels_together_with(scene, room, |room, pixels, tracer, sink| {
+            let light_path =
+                |pixel: &PixelPath<'_>| paths.of_path((pixel.sample.index + shift) % n_paths);
+            camera.trace(pixels, light_path, room, tracer, sink);
+        })
     }
 }
 
@@ -358,37 +200,5 @@ impl Vcm {
                 }
             })?;
         Ok(paths.items.len() as f64 / PILOT as f64)
-    }
-}
-
-impl LightVertex {
-    fn of(vertex: &Vertex<'_>) -> Self {
-        Self {
-            photon: vertex.photon(),
-            partial: vertex.partial,
-            triangle: vertex.surface.triangle,
-            barycentrics: vertex.surface.barycentrics,
-        }
-    }
-
-    fn mergeable(&self) -> Mergeable {
-        Mergeable {
-            photon: self.photon,
-            d_vcm: self.partial.d_vcm,
-            d_vm: self.partial.d_vm,
-        }
-    }
-
-    /// The vertex as its walk had it.
-    fn restored<'a>(&self, tracer: &Tracer<'a>) -> Vertex<'a> {
-        let photon = &self.photon;
-        Vertex {
-            surface: tracer.surface_at(self.triangle, self.barycentrics, photon.wo),
-            throughput: photon.power,
-            partial: self.partial,
-            // A segment's absorption is that on the camera vertex's side of it.
-            medium: crate::transport::Medium::VACUUM,
-            n_vertices: photon.n_vertices,
-        }
     }
 }

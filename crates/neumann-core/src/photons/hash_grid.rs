@@ -177,9 +177,10 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
         &self.entries
     }
 
-    /// Finds the entries within the radius of `x`.
+    /// Finds the entries within the radius of `x`, and forgets what was found before.
     #[inline]
     pub fn find(&self, x: Vec3, near: &mut Vec<Near>) {
+        near.clear();
         self.finish(&self.begin(x), near);
     }
 
@@ -213,11 +214,10 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
         }
     }
 
-    /// Ends a search with the entries within the radius. They are asked for, not waited for: it is best to do something else
+    /// Ends a search: adds the entries within the radius to what was found before. They are asked for, not waited for: it is best to do something else
     /// before they are read.
     #[inline]
     pub fn finish(&self, search: &Search, near: &mut Vec<Near>) {
-        near.clear();
         let radius_squared = Vec4::splat(self.radius * self.radius);
         for (start, end) in self.ranges(search) {
             for group in start / LANES..end.div_ceil(LANES) {

@@ -115,6 +115,32 @@ impl<T> Collected<T> {
     }
 }
 
+impl<T: Copy> Collected<T> {
+    /// Sorts what `n_paths` paths left, each with the number of its path; what one path left stays in its order.
+    pub fn sort(&mut self, kept: &[(u32, T)], n_paths: usize) {
+        self.ends.clear();
+        self.ends.resize(n_paths, 0);
+        let Some((_, any)) = kept.first() else {
+            self.items.clear();
+            return;
+        };
+        // First how many each path has, then where it goes on; at the end, where it ends.
+        for (path, _) in kept {
+            self.ends[*path as usize] += 1;
+        }
+        let mut start = 0;
+        for end in &mut self.ends {
+            start += std::mem::replace(end, start);
+        }
+        self.items.resize(kept.len(), *any);
+        for (path, item) in kept {
+            let next = &mut self.ends[*path as usize];
+            self.items[*next as usize] = *item;
+            *next += 1;
+        }
+    }
+}
+
 impl<T: Copy + Send + Sync> Collected<T> {
     /// Writes more paths behind those so far.
     fn write(&mut self, parts: &[Self]) {
@@ -325,6 +351,23 @@ impl<'a> Pass<'a> {
         )
     }
 
+    /// The same with room that each task makes once and every tile of it may use; the paths of all tiles are run.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the token was; the frame is then worth nothing.
+    pub fn trace_pixels_together_with<'s, R, M, F>(
+        &mut self,
+        scene: &'s Scene,
+        room: M,
+        paths: F,
+    ) -> Result<(), Cancelled>
+    where
+        M: Fn() -> R + Sync + Send,
+        F: for<'t> Fn(&mut R, Pixels<'t>, &mut Tracer<'s>, &mut Sink<'_>) + Sync,
+    {
+        self.trace_tiles(scene, room, paths, None)
+    }
+
     /// Runs `paths` for each tile; where nothing stands before `background`, that is all there is.
     fn trace_tiles<'s, R, M, F>(
         &mut self,
@@ -404,29 +447,6 @@ impl<'a> Pass<'a> {
         F: Fn(usize, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>, &mut Vec<T>) + Sync,
     {
         let mut collected = Collected::default();
-        self.trace_light_paths_into(&mut collected, scene, n_paths, numbers, path)?;
-        Ok(collected)
-    }
-
-    /// As [`Self::trace_light_paths`], in place of what earlier paths left: taking so much memory from the system anew in
-    /// every iteration would cost more than to fill it.
-    ///
-    /// # Errors
-    ///
-    /// [`Cancelled`]; what was collected is of no use then.
-    pub fn trace_light_paths_into<'s, T, F>(
-        &mut self,
-        collected: &mut Collected<T>,
-        scene: &'s Scene,
-        n_paths: usize,
-        numbers: LightNumbers,
-        path: F,
-    ) -> Result<(), Cancelled>
-    where
-        T: Copy + Send + Sync,
-        F: Fn(usize, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>, &mut Vec<T>) + Sync,
-    {
-        collected.ends.clear();
         self.trace_chunks(
             scene,
             n_paths,
@@ -437,6 +457,40 @@ impl<'a> Pass<'a> {
                     path(index, tracer, &mut sampler, sink, &mut part.items);
                     part.ends.push(part.items.len() as u32);
                 }
+                part
+            },
+            |parts| collected.write(&parts),
+        )?;
+        Ok(collected)
+    }
+
+    /// As [`Self::trace_light_paths_together`]; collects what is kept, each with the number of its path among those handed over,
+    /// in place of what earlier paths left: taking so much memory from the system anew in every iteration would cost more than to
+    /// fill it.
+    ///
+    /// # Errors
+    /// [`Cancelled`]; what was collected is of no use then.
+    pub fn collect_light_paths_together<'s, T, F>(
+        &mut self,
+        collected: &mut Collected<T>,
+        scene: &'s Scene,
+        n_paths: usize,
+        numbers: LightNumbers,
+        paths: F,
+    ) -> Result<(), Cancelled>
+    where
+        T: Copy + Send + Sync,
+        F: Fn(LightPaths, &mut Tracer<'s>, &mut Sink<'_>, &mut Vec<(u32, T)>) + Sync,
+    {
+        collected.ends.clear();
+        self.trace_chunks(
+            scene,
+            n_paths,
+            |range, tracer, sink| {
+                let (mut kept, n) = (Vec::new(), range.len());
+                paths(LightPaths { numbers, range }, tracer, sink, &mut kept);
+                let mut part = Collected::default();
+                part.sort(&kept, n);
                 part
             },
             |parts| collected.write(&parts),

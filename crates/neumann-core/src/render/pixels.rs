@@ -61,6 +61,15 @@ impl<'t> Pixels<'t> {
         }
     }
 
+    /// Number in the tile, and `y * width + x` in the image, of every pixel, once.
+    pub fn indices(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let (TileBounds { start, end }, width) = (self.bounds, self.width);
+        (start[1]..end[1]).flat_map(move |y| {
+            let number = move |x| (PixelPlace::new(x, y).in_tile(), y * width + x);
+            (start[0]..end[0]).map(number)
+        })
+    }
+
     /// Runs `path` for each, one after the other.
     #[inline]
     pub(super) fn one_by_one(

@@ -80,6 +80,13 @@ impl PixelPlace {
             in_tile: (y % TILE * TILE + x % TILE) as u32,
         }
     }
+
+    /// Its number in the tile.
+    #[inline]
+    #[must_use]
+    pub fn in_tile(self) -> usize {
+        self.in_tile as usize
+    }
 }
 
 impl SinkShape {
@@ -119,6 +126,13 @@ impl<'a> Sink<'a> {
         self.pixel = place;
     }
 
+    /// The pixel whose path it is.
+    #[inline]
+    #[must_use]
+    pub fn pixel(&self) -> PixelPlace {
+        self.pixel
+    }
+
     pub(super) fn into_yield(self, n_rays: u64) -> Yield {
         Yield {
             splats: SortedSplats::new(&self.splats, self.shape.grid),
@@ -154,6 +168,13 @@ impl<'a> Sink<'a> {
             let in_tile = layer * TILE_PIXELS + self.pixel.in_tile as usize;
             add_to_tile(self.tile, self.lit, in_tile, value);
         }
+    }
+
+    /// Goes on to the path of a pixel, and adds to it.
+    #[inline]
+    pub fn add_at(&mut self, place: PixelPlace, contribution: Contribution) {
+        self.start_pixel(place);
+        self.add(contribution);
     }
 
     /// Adds to the pixel that `raster` falls in, if any; raster (0, 0) is the top left corner of pixel (0, 0).

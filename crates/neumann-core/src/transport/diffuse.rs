@@ -201,6 +201,17 @@ impl DiffuseSamples {
         (self.origin.get(lane), self.direction.get(lane))
     }
 
+    /// What was drawn, if anything was.
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> VertexSample {
+        VertexSample {
+            wi: self.direction.get(lane),
+            f_cos: self.f_cos.get(lane),
+            pdf_w: self.pdf_w.get(lane),
+            is_delta: false,
+        }
+    }
+
     /// Density of its direction, 1/sr.
     #[inline(always)]
     pub(crate) fn pdf_w(&self, lane: usize) -> f32 {

@@ -147,10 +147,7 @@ impl SurfaceVertex<'_> {
         Some(Scattering {
             f_cos,
             pdf_w_forward,
-            pdf_w_reverse: match &self.bsdf {
-                Bsdf::Lambert(lambert) => lambert.pdf_w(wi_local, self.wo_local, mode.reversed()),
-                other => other.pdf_w(wi_local, self.wo_local, mode.reversed()),
-            },
+            pdf_w_reverse: self.pdf_w_back(wi_local, mode),
         })
     }
 
@@ -168,17 +165,22 @@ impl SurfaceVertex<'_> {
 
     /// Density, 1/sr, with which a walk the other way would have drawn `wo` where this one has drawn `sample`.
     /// The probability of a delta lobe is the same from either of its directions.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn pdf_w_reverse(&self, sample: &VertexSample, mode: TransportMode) -> f32 {
         if sample.is_delta {
             return sample.pdf_w;
         }
-        self.bsdf.pdf_w(
-            self.frame.local_from_world(sample.wi),
-            self.wo_local,
-            mode.reversed(),
-        )
+        self.pdf_w_back(self.frame.local_from_world(sample.wi), mode)
+    }
+
+    /// Density with which a walk the other way, along `wi`, draws `wo`, 1/sr.
+    #[inline(always)]
+    fn pdf_w_back(&self, wi_local: Vec3, mode: TransportMode) -> f32 {
+        match &self.bsdf {
+            Bsdf::Lambert(lambert) => lambert.pdf_w(wi_local, self.wo_local, mode.reversed()),
+            other => other.pdf_w(wi_local, self.wo_local, mode.reversed()),
+        }
     }
 
     /// Draws a direction; `None` means no light this way.

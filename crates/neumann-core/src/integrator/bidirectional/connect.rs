@@ -73,23 +73,29 @@ pub fn next_event(
     u: &LightSample,
     weighing: &Weighing,
 ) -> Option<Contribution> {
-    let surface = &vertex.surface;
     let lights = tracer.scene.lights();
-    let aim = lights.aim(&surface.receiver(), LightChoice::Tree, u)?;
-    let scattering = surface.scattering(aim.wi, TransportMode::Radiance)?;
-    let joint = EndDensities {
-        forward: scattering.pdf_w_forward,
-        reverse: scattering.pdf_w_reverse,
-        cos: surface.cos_g(aim.wi),
-    };
-    let mis_weight = weighing.next_event(vertex.partial, &aim, &joint);
-    let value = vertex.throughput * scattering.f_cos * aim.value / aim.pdf_w;
+    let aim = lights.aim(&vertex.surface.receiver(), LightChoice::Tree, u)?;
+    let (value, mis_weight) = next_event_unshadowed(vertex, &aim, weighing)?;
     let value = value * seen(tracer, vertex, &aim)?;
     Some(contribution(
         value,
         mis_weight,
         Strategy::connect(1, vertex.n_vertices),
     ))
+}
+
+/// What comes from a light that is aimed at, if nothing is in the way, with its weight.
+#[inline(always)]
+pub(super) fn next_event_unshadowed(
+    vertex: &Vertex<'_>,
+    aim: &Aim,
+    weighing: &Weighing,
+) -> Option<(Rgb, f32)> {
+    let surface = &vertex.surface;
+    let scattering = surface.scattering(aim.wi, TransportMode::Radiance)?;
+    let joint = EndDensities::of(surface, &scattering, aim.wi);
+    let value = vertex.throughput * scattering.f_cos * aim.value / aim.pdf_w;
+    Some((value, weighing.next_event(vertex.partial, aim, &joint)))
 }
 
 /// t = 1: the lens is aimed at from a light vertex; `n_light_paths` subpaths share the image.
@@ -102,30 +108,50 @@ pub fn splat(
     n_light_paths: usize,
     weighing: &Weighing,
 ) -> Option<(Vec2, Contribution)> {
+    let splat = splat_unshadowed(camera, vertex, u, weighing)?;
+    let value = splat.value * seen(tracer, vertex, &splat.aim)? / n_light_paths as f32;
+    let strategy = Strategy::connect(vertex.n_vertices, 1);
+    Some((
+        splat.raster,
+        contribution(value, splat.mis_weight, strategy),
+    ))
+}
+
+/// What the lens sees of a light vertex if nothing is in the way, as if its subpath were the only one.
+pub(super) struct Splat {
+    pub(super) raster: Vec2,
+    pub(super) value: Rgb,
+    pub(super) mis_weight: f32,
+    pub(super) aim: Aim,
+}
+
+#[inline(always)]
+pub(super) fn splat_unshadowed(
+    camera: &Camera,
+    vertex: &Vertex<'_>,
+    u: [f32; 2],
+    weighing: &Weighing,
+) -> Option<Splat> {
     let surface = &vertex.surface;
     let (aim, raster) = camera.aim(surface.point.position, u)?;
     let scattering = surface.scattering(aim.wi, TransportMode::Importance)?;
-    let joint = EndDensities {
-        forward: scattering.pdf_w_forward,
-        reverse: scattering.pdf_w_reverse,
-        cos: surface.cos_g(aim.wi),
-    };
-    let mis_weight = weighing.splat(vertex.partial, &aim, &joint);
-    let value = vertex.throughput * scattering.f_cos * aim.value / aim.pdf_w;
-    let value = value * seen(tracer, vertex, &aim)? / n_light_paths as f32;
-    let strategy = Strategy::connect(vertex.n_vertices, 1);
-    Some((raster, contribution(value, mis_weight, strategy)))
+    let joint = EndDensities::of(surface, &scattering, aim.wi);
+    Some(Splat {
+        raster,
+        value: vertex.throughput * scattering.f_cos * aim.value / aim.pdf_w,
+        mis_weight: weighing.splat(vertex.partial, &aim, &joint),
+        aim,
+    })
 }
 
-/// t = 0: a light subpath meets a lens of finite size on its way to its next vertex, or out of the scene.
+/// t = 0: a light subpath meets a lens of finite size nearer than what it meets else.
 pub fn hit_lens(
     camera: &Camera,
     walk: &Walk,
-    next: Option<&Vertex<'_>>,
+    distance: f32,
     n_light_paths: usize,
     weighing: &Weighing,
 ) -> Option<(Vec2, Contribution)> {
-    let distance = next.map_or(f32::INFINITY, |vertex| vertex.surface.distance);
     // The light itself, seen directly, is left to the camera.
     if walk.n_vertices < 2 {
         return None;

@@ -6,8 +6,9 @@
 use glam::Vec2;
 
 use super::{Partial, Weighing};
+use crate::accel::Hit;
 use crate::bsdf::TransportMode;
-use crate::endpoint::{Camera, LightChoice, Receiver, Spread, Start};
+use crate::endpoint::{Camera, LightChoice, Lights, Receiver, Spread, Start};
 use crate::math::Ray;
 use crate::photons::Photon;
 use crate::radiometry::Rgb;
@@ -44,16 +45,29 @@ impl Vertex<'_> {
     }
 }
 
+/// The running quantities at the first vertex that a light subpath meets, from which its light may have been aimed at.
+#[inline(always)]
+pub(super) fn of_first(
+    partial: Partial,
+    lights: &Lights,
+    light: usize,
+    receiver: &Receiver,
+    weighing: &Weighing,
+) -> Partial {
+    let aim = lights.pmf_aim(receiver, LightChoice::Tree, light);
+    weighing.choose(partial, aim / lights.pmf_start(light))
+}
+
 /// A subpath on its way.
 #[derive(Clone, Copy, Debug)]
 pub struct Walk {
-    mode: TransportMode,
+    pub(super) mode: TransportMode,
     /// The segment that comes next.
     pub ray: Ray,
     /// Throughput along it.
     pub throughput: Rgb,
     /// Throughput at the start, for the roulette.
-    initial: f32,
+    pub(super) initial: f32,
     /// The running quantities, without the geometry of the next segment.
     pub partial: Partial,
     /// What the next segment runs through.
@@ -63,8 +77,8 @@ pub struct Walk {
     /// The latest vertex, as lights see it; nothing at the start.
     pub receiver: Option<Receiver>,
     /// The light that it starts at.
-    light: Option<usize>,
-    comes_from_infinity: bool,
+    pub(super) light: Option<usize>,
+    pub(super) comes_from_infinity: bool,
     /// True while every direction was drawn from a delta lobe.
     pub is_specular: bool,
 }
@@ -113,7 +127,18 @@ impl Walk {
     #[inline(always)]
     pub fn meet<'a>(&mut self, tracer: &mut Tracer<'a>, weighing: &Weighing) -> Option<Vertex<'a>> {
         let found = tracer.hit(&self.ray)?;
-        let surface = tracer.surface_vertex(-self.ray.direction(), &found);
+        Some(self.arrive(&found, tracer, weighing))
+    }
+
+    /// Goes along the segment to what it meets.
+    #[inline(always)]
+    pub(super) fn arrive<'a>(
+        &mut self,
+        found: &Hit,
+        tracer: &Tracer<'a>,
+        weighing: &Weighing,
+    ) -> Vertex<'a> {
+        let surface = tracer.surface_vertex(-self.ray.direction(), found);
         self.throughput *= self.medium.transmittance(surface.distance);
         if weighing.has_others() {
             let d2 = if self.comes_from_infinity {
@@ -124,19 +149,18 @@ impl Walk {
             self.partial = weighing.arrive(self.partial, d2, surface.cos_g(surface.wo));
             if let Some(light) = self.light.take() {
                 let lights = tracer.scene.lights();
-                let aim = lights.pmf_aim(&surface.receiver(), LightChoice::Tree, light);
-                self.partial = weighing.choose(self.partial, aim / lights.pmf_start(light));
+                self.partial = of_first(self.partial, lights, light, &surface.receiver(), weighing);
             }
         }
         self.comes_from_infinity = false;
         self.n_vertices += 1;
-        Some(Vertex {
+        Vertex {
             surface,
             throughput: self.throughput,
             partial: self.partial,
             medium: self.medium,
             n_vertices: self.n_vertices,
-        })
+        }
     }
 
     /// Scattering events that lead to the latest vertex.

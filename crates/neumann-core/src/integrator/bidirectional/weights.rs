@@ -17,7 +17,10 @@
 //! with t ≥ 2; techniques that end on the lens use all light subpaths, N of them for each camera
 //! subpath; a merge uses all N light subpaths of the whole image within a disk of area πr².
 
+use glam::Vec3;
+
 use crate::endpoint::{Aim, CameraRay, LensHit, Spread, Start, StartDensities};
+use crate::transport::{Scattering, SurfaceVertex};
 
 /// How the densities of techniques become weights ([Veach 1997] 9.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,7 +174,7 @@ impl Weighing {
 
     /// Quantities after a segment has met a surface under a cosine with its geometric normal, (34)-(36). The
     /// squared length counts unless the segment comes from infinity: then it is 1.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn arrive(&self, partial: Partial, distance_squared: f32, cos: f32) -> Partial {
         let over_cos = self.of(1.0 / cos);
@@ -195,7 +198,7 @@ impl Weighing {
 
     /// Quantities after a direction has been drawn, without the geometry of the new segment, (34)-(36).
     /// Nothing joins at a delta lobe; its probability is the same from either side.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn scatter(
         &self,
@@ -243,20 +246,20 @@ impl Weighing {
     }
 
     /// Weight of aiming at a light from a camera vertex (s = 1), (44)-(45).
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn next_event(&self, at: Partial, aim: &Aim, joint: &EndDensities) -> f32 {
         self.end(at, aim, joint, 1.0)
     }
 
     /// Weight of aiming at the lens from a light vertex (t = 1), (46).
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn splat(&self, at: Partial, aim: &Aim, joint: &EndDensities) -> f32 {
         self.end(at, aim, joint, self.light_paths)
     }
 
-    #[inline]
+    #[inline(always)]
     fn end(&self, at: Partial, aim: &Aim, joint: &EndDensities, n: f32) -> f32 {
         let found = if aim.is_delta {
             0.0
@@ -317,6 +320,19 @@ pub struct EndDensities {
     pub reverse: f32,
     /// Cosine of the direction to the endpoint with the geometric normal.
     pub cos: f32,
+}
+
+impl EndDensities {
+    /// Those of a vertex that scatters so along `wi`.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(surface: &SurfaceVertex<'_>, scattering: &Scattering, wi: Vec3) -> Self {
+        Self {
+            forward: scattering.pdf_w_forward,
+            reverse: scattering.pdf_w_reverse,
+            cos: surface.cos_g(wi),
+        }
+    }
 }
 
 /// Density of the first segment without its geometry: 1/sr from a point, 1/m² from infinity.

@@ -1,0 +1,312 @@
+//! A camera vertex connected to the vertices of a light subpath, all at once.
+//!
+//! Where both ends of a connection are diffuse, as most are in most scenes, it is one lane of a vector; the others are
+//! made one by one ([`super::connect::connect`]). Either way they are the same to the last bit.
+
+use super::connect::{connect, connect_unshadowed, contribution};
+use super::lanes::{VertexLanes, knowing_heuristic};
+use super::{Heuristic, Vertex, Weighing};
+use crate::accel::RayLanes;
+use crate::bsdf::{Bsdf, Lambert};
+use crate::film::{Contribution, Strategy};
+use crate::math::lanes::{LANES, Lanes, vectorized};
+use crate::radiometry::{Rgb, RgbLanes};
+use crate::render::PixelPlace;
+use crate::scene::Scene;
+use crate::transport::{SurfaceVertex, Tracer, are_apart};
+
+/// The vertices of a light subpath, to be connected to those of a camera subpath.
+pub(super) struct LightSubpath<'a> {
+    /// Those that are diffuse, each in a lane, in their order, as far as there is room;
+    diffuse: VertexLanes<'a>,
+    /// how many vertices of the subpath end with each of them.
+    n_vertices: [u16; LANES],
+    n_diffuse: usize,
+    /// The rest.
+    others: Vec<Vertex<'a>>,
+    joined: JoinedLanes,
+}
+
+/// What a camera vertex makes of the diffuse ones.
+#[derive(Default)]
+struct JoinedLanes {
+    value: RgbLanes,
+    mis_weight: Lanes<f32>,
+    segments: RayLanes,
+    is_joined: Lanes<u32>,
+    is_apart: Lanes<u32>,
+}
+
+/// Connections of which it is not known yet whether anything is in between: asked when there are enough for all lanes.
+#[derive(Default)]
+pub(super) struct Unseen {
+    n: usize,
+    segments: RayLanes,
+    value: RgbLanes,
+    mis_weight: Lanes<f32>,
+    /// Vertices of the light's and of the camera's subpath.
+    n_vertices: [[u16; 2]; LANES],
+    places: [PixelPlace; LANES],
+}
+
+impl Unseen {
+    /// Hands what is seen of all to `add`, with the place that it belongs to.
+    pub(super) fn see(
+        &mut self,
+        tracer: &mut Tracer<'_>,
+        mut add: impl FnMut(PixelPlace, Contribution),
+    ) {
+        self.segments.set_mask(!(!0 << self.n));
+        let shares = tracer.transmittances(&self.segments);
+        for (lane, share) in shares.into_iter().enumerate().take(self.n) {
+            if share > 0.0 {
+                let [s, t] = self.n_vertices[lane];
+                let value = self.value.get(lane) * share;
+                let strategy = Strategy::connect(s, t);
+                let found = contribution(value, self.mis_weight.get(lane), strategy);
+                add(self.places[lane], found);
+            }
+        }
+        self.n = 0;
+    }
+}
+
+impl<'a> LightSubpath<'a> {
+    /// An empty one.
+    pub(super) fn new(scene: &'a Scene) -> Self {
+        Self {
+            diffuse: VertexLanes::new(scene),
+            n_vertices: [0; LANES],
+            n_diffuse: 0,
+            others: Vec::new(),
+            joined: JoinedLanes::default(),
+        }
+    }
+
+    /// Takes all vertices out.
+    pub(super) fn clear(&mut self) {
+        self.n_diffuse = 0;
+        self.others.clear();
+    }
+
+    /// Adds the next vertex.
+    #[inline]
+    pub(super) fn push(&mut self, vertex: &Vertex<'a>) {
+        let lane = self.n_diffuse;
+        if lane < LANES && self.diffuse.set(lane, vertex) {
+            self.n_vertices[lane] = vertex.n_vertices;
+            self.n_diffuse += 1;
+        } else {
+            self.others.push(*vertex);
+        }
+    }
+
+    /// s ≥ 2: connects all vertices to one of a camera subpath, as far as that leaves a path short enough. What comes of it is
+    /// handed to `add`, or waits to be seen, and belongs to `place`.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "two ends, what they share, and where the outcome goes"
+    )]
+    #[inline]
+    pub(super) fn connect(
+        &mut self,
+        tracer: &mut Tracer<'_>,
+        camera: &Vertex<'_>,
+        max_bounces: u32,
+        weighing: &Weighing,
+        unseen: &mut Unseen,
+        place: PixelPlace,
+        mut add: impl FnMut(PixelPlace, Contribution),
+    ) {
+        let is_short =
+            |n_vertices: u16| u32::from(n_vertices + camera.n_vertices) <= max_bounces + 2;
+        let diffuse = &self.n_vertices[..self.n_diffuse];
+        let n = diffuse.partition_point(|n_vertices| is_short(*n_vertices));
+        if let Bsdf::Lambert(lambert) = camera.surface.bsdf
+            && camera.medium.is_vacuum()
+            && camera.surface.material.absorption().is_none()
+        {
+            if n > 0 {
+                let joined = &mut self.joined;
+                join(camera, lambert, &self.diffuse, weighing, joined);
+                for lane in 0..n {
+                    if joined.is_joined.get(lane) == 0 {
+                        continue;
+                    }
+                    let [s, t] = [self.n_vertices[lane], camera.n_vertices];
+                    let (value, weight) = (joined.value.get(lane), joined.mis_weight.get(lane));
+                    if joined.is_apart.get(lane) == 0 {
+                        add(place, contribution(value, weight, Strategy::connect(s, t)));
+                        continue;
+                    }
+                    let to = unseen.n;
+                    unseen.segments.copy(to, &joined.segments, lane);
+                    unseen.value.set(to, value);
+                    unseen.mis_weight.set(to, weight);
+                    unseen.n_vertices[to] = [s, t];
+                    unseen.places[to] = place;
+                    unseen.n += 1;
+                    if unseen.n == LANES {
+                        unseen.see(tracer, &mut add);
+                    }
+                }
+            }
+        } else {
+            for lane in 0..n {
+                let light = self.diffuse.get(lane, self.n_vertices[lane]);
+                if let Some(found) = connect(tracer, camera, &light, weighing) {
+                    add(place, found);
+                }
+            }
+        }
+        for light in &self.others {
+            if is_short(light.n_vertices)
+                && let Some(found) = connect(tracer, camera, light, weighing)
+            {
+                add(place, found);
+            }
+        }
+    }
+}
+
+vectorized! {
+    /// Connects a diffuse vertex to those of all lanes.
+    fn join(camera: &Vertex<'_>, lambert: Lambert, lights: &VertexLanes<'_>, weighing: &Weighing, joined: &mut JoinedLanes) {
+        knowing_heuristic!(weighing => join_lanes(camera, lambert, lights, weighing, joined));
+    }
+}
+
+#[inline(always)]
+fn join_lanes(
+    camera: &Vertex<'_>,
+    lambert: Lambert,
+    lights: &VertexLanes<'_>,
+    weighing: &Weighing,
+    joined: &mut JoinedLanes,
+) {
+    let camera = Vertex {
+        surface: SurfaceVertex {
+            bsdf: Bsdf::Lambert(lambert),
+            ..camera.surface
+        },
+        ..*camera
+    };
+    for lane in 0..LANES {
+        let light = lights.get(lane, 0);
+        let joint = connect_unshadowed(&camera, &light, weighing);
+        let value = joint.as_ref().map_or(Rgb::BLACK, |joint| joint.value);
+        joined.value.set(lane, value);
+        joined
+            .mis_weight
+            .set(lane, joint.as_ref().map_or(0.0, |joint| joint.mis_weight));
+        joined.is_joined.set(lane, u32::from(joint.is_some()));
+        let (from, to) = (&camera.surface.point, &light.surface.point);
+        let towards = to.position - from.position;
+        let origin = from.off_surface(towards);
+        let apart = to.off_surface(-towards) - origin;
+        joined.segments.set_segment(lane, origin, apart);
+        joined.is_apart.set(lane, u32::from(are_apart(apart)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LightSubpath, Unseen, connect};
+    use crate::endpoint::Camera;
+    use crate::film::Contribution;
+    use crate::integrator::bidirectional::{Heuristic, Vertex, Walk, Weighing};
+    use crate::render::PixelPlace;
+    use crate::sampling::Sampler;
+    use crate::scene::Scene;
+    use crate::scene::builtin::builtin;
+    use crate::transport::Tracer;
+    use crate::transport::reflection::start_sample;
+
+    const MAX_BOUNCES: u32 = 9;
+
+    /// The vertices of a subpath.
+    fn subpath<'a>(
+        mut walk: Walk,
+        tracer: &mut Tracer<'a>,
+        sampler: &mut Sampler<'_>,
+        weighing: &Weighing,
+    ) -> Vec<Vertex<'a>> {
+        let mut vertices = Vec::new();
+        while let Some(vertex) = walk.meet(tracer, weighing) {
+            if vertex.surface.bsdf.has_density() {
+                vertices.push(vertex);
+            }
+            sampler.start_bounce(walk.bounce());
+            if walk.bounce() == MAX_BOUNCES || !walk.scatter(&vertex, sampler, false, weighing) {
+                break;
+            }
+        }
+        vertices
+    }
+
+    #[test]
+    fn connections_at_once_are_those_made_one_by_one() {
+        for name in ["cornell", "cornell-glass", "lamps"] {
+            let scene = Scene::build(&builtin(name).unwrap().load().unwrap());
+            let camera = Camera::new(&scene.cameras()[0], 1, 1);
+            let mut tracer = Tracer::new(&scene);
+            let mut light_subpath = LightSubpath::new(&scene);
+            let mut unseen = Unseen::default();
+            let (mut n_connections, mut n_abreast) = (0, 0);
+            for heuristic in [Heuristic::Balance, Heuristic::Power, Heuristic::Average] {
+                let weighing = Weighing::connections(heuristic, 1.0).merges(100, 0.01, true);
+                for i in 0..300 {
+                    let mut sampler = Sampler::new(31, i, 0);
+                    let Some(start) = scene.lights().start(&start_sample(&mut sampler)) else {
+                        continue;
+                    };
+                    let walk = Walk::from_light(&start, &weighing);
+                    light_subpath.clear();
+                    let lights = subpath(walk, &mut tracer, &mut sampler, &weighing);
+                    for light in &lights {
+                        light_subpath.push(light);
+                    }
+                    let mut sampler = Sampler::new(32, i, 0);
+                    let raster = sampler.next_2d().into();
+                    let walk = Walk::from_camera(&camera, raster, sampler.next_2d(), &weighing);
+                    for vertex in subpath(walk, &mut tracer, &mut sampler, &weighing) {
+                        let mut found: Vec<Contribution> = Vec::new();
+                        let mut add = |_, c| found.push(c);
+                        light_subpath.connect(
+                            &mut tracer,
+                            &vertex,
+                            MAX_BOUNCES,
+                            &weighing,
+                            &mut unseen,
+                            PixelPlace::default(),
+                            &mut add,
+                        );
+                        unseen.see(&mut tracer, &mut add);
+                        let is_short = |light: &&Vertex<'_>| {
+                            u32::from(light.n_vertices + vertex.n_vertices) <= MAX_BOUNCES + 2
+                        };
+                        let mut expected: Vec<Contribution> = lights
+                            .iter()
+                            .filter(is_short)
+                            .filter_map(|light| connect(&mut tracer, &vertex, light, &weighing))
+                            .collect();
+                        let bits = |found: &mut [Contribution]| -> Vec<_> {
+                            found.sort_by_key(|c| c.strategy.s);
+                            let of = |c: &Contribution| (c.value, c.mis_weight, c.strategy);
+                            found.iter().map(of).collect()
+                        };
+                        assert_eq!(
+                            bits(&mut found),
+                            bits(&mut expected),
+                            "{name}, {heuristic:?}"
+                        );
+                        n_connections += found.len();
+                        n_abreast += light_subpath.n_diffuse;
+                    }
+                }
+            }
+            assert!(n_connections > 1000, "{name}: only {n_connections}");
+            assert!(n_abreast > 1000, "{name}: only {n_abreast}");
+        }
+    }
+}

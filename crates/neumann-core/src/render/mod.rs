@@ -17,7 +17,7 @@ mod sink;
 
 pub use cancel::{CancelToken, Cancelled};
 pub use pass::{Collected, LightNumbers, LightPaths, Pass};
-pub use pixels::{PixelPath, PixelSample, Pixels};
+pub use pixels::{PixelPath, PixelSample, Pixels, Splits};
 pub use pool::WorkerPool;
 pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule, Thumbnail};
 pub use renderer::Renderer;

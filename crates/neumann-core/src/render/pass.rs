@@ -41,6 +41,7 @@ pub struct Pass<'a> {
     cancel: &'a CancelToken,
     techniques: Option<&'a mut TechniqueFilm>,
     samples: SampleCounts,
+    n_splits: u8,
 }
 
 /// The random numbers of light paths: one low-discrepancy sequence runs through all of an iteration's
@@ -186,6 +187,7 @@ impl<'a> Pass<'a> {
             cancel,
             techniques,
             samples: SampleCounts::Even(1),
+            n_splits: 1,
         }
     }
 
@@ -254,6 +256,11 @@ impl<'a> Pass<'a> {
     /// Runs so many paths for each pixel from now on, and leaves their mean.
     pub fn sample(&mut self, samples: SampleCounts) {
         self.samples = samples;
+    }
+
+    /// Lets each path split into so many at most; see [`PixelPath::splits`](super::PixelPath::splits).
+    pub fn split(&mut self, n_splits: u8) {
+        self.n_splits = n_splits;
     }
 
     /// Runs another iteration, to see what it is like; [`Self::forget`] it afterwards.
@@ -383,7 +390,7 @@ impl<'a> Pass<'a> {
         let width = self.frame.width();
         let (grid, per_tile) = (self.frame.grid(), self.frame.values_per_tile());
         let keys = (self.seed, self.iteration, self.max_bounces);
-        let samples = self.samples.clone();
+        let (samples, n_splits) = (self.samples.clone(), self.n_splits);
         self.frame.n_samples = samples.total(grid);
         let (cancel, coverage) = (self.cancel, self.coverage);
         let shape = self.sink_shape();
@@ -412,9 +419,12 @@ impl<'a> Pass<'a> {
                     let n_samples = samples.of_tile(number);
                     sink.share_among(n_samples);
                     let numbers: Vec<TileNumbers> = (0..n_samples)
-                        .map(|sample| samples.numbers((number, bounds), keys, sample))
+                        .flat_map(|sample| {
+                            samples.numbers((number, bounds), keys, sample, n_splits)
+                        })
                         .collect();
-                    let pixels = Pixels::new(&numbers, bounds, width, cancel);
+                    let numbers = (numbers.as_slice(), usize::from(n_splits));
+                    let pixels = Pixels::new(numbers, bounds, width, cancel);
                     paths(room, pixels, &mut tracer, &mut sink);
                     sink.into_yield(tracer.n_rays())
                 })

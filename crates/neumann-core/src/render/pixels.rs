@@ -25,13 +25,39 @@ pub struct PixelPath<'t> {
     pub sampler: Sampler<'t>,
     /// Where its contributions go.
     pub place: PixelPlace,
+    /// What it may split into.
+    pub splits: Splits<'t>,
+}
+
+/// The random numbers of the paths that a path may split into: they have its numbers up to its first scattering event, and from
+/// there on are spread as evenly, all together, as the numbers of paths of their own.
+#[derive(Clone, Copy, Debug)]
+pub struct Splits<'t> {
+    numbers: &'t [TileNumbers],
+    place: PixelPlace,
+    index: usize,
+}
+
+impl<'t> Splits<'t> {
+    /// Those of all but the path itself.
+    #[inline]
+    pub fn others(self) -> impl Iterator<Item = Sampler<'t>> {
+        let Self {
+            numbers,
+            place,
+            index,
+        } = self;
+        let others = numbers.iter().skip(1);
+        others.map(move |numbers| numbers.of_pixel(place.x(), place.y(), index))
+    }
 }
 
 /// The paths of the pixels of a tile, row by row; all over again where each pixel has several.
 #[derive(Debug)]
 pub struct Pixels<'t> {
-    /// `numbers[sample]`
+    /// `numbers[sample * n_splits + split]`
     numbers: &'t [TileNumbers],
+    n_splits: usize,
     bounds: TileBounds,
     width: usize,
     cancel: &'t CancelToken,
@@ -42,9 +68,9 @@ pub struct Pixels<'t> {
 }
 
 impl<'t> Pixels<'t> {
-    /// All of a tile of an image of `width` pixels.
+    /// All of a tile of an image of `width` pixels, with the numbers of all samples of each, and of as many paths as each may split into.
     pub(super) fn new(
-        numbers: &'t [TileNumbers],
+        (numbers, n_splits): (&'t [TileNumbers], usize),
         bounds: TileBounds,
         width: usize,
         cancel: &'t CancelToken,
@@ -52,6 +78,7 @@ impl<'t> Pixels<'t> {
         let [x, y] = bounds.start;
         Self {
             numbers,
+            n_splits,
             bounds,
             width,
             cancel,
@@ -90,7 +117,8 @@ impl<'t> Iterator for Pixels<'t> {
 
     #[inline]
     fn next(&mut self) -> Option<PixelPath<'t>> {
-        let numbers = self.numbers.get(self.sample)?;
+        let first = self.sample * self.n_splits;
+        let numbers = self.numbers.get(first..first + self.n_splits)?;
         let (x, y) = (self.x, self.y);
         if x == self.bounds.start[0] && self.cancel.is_cancelled() {
             return None;
@@ -105,13 +133,19 @@ impl<'t> Iterator for Pixels<'t> {
             }
         }
         let index = y * self.width + x;
-        let mut sampler = numbers.of_pixel(x, y, index);
+        let mut sampler = numbers[0].of_pixel(x, y, index);
         let u = sampler.next_2d();
         let raster = Vec2::new(x as f32 + u[0], y as f32 + u[1]);
+        let place = PixelPlace::new(x, y);
         Some(PixelPath {
             sample: PixelSample { raster, index },
             sampler,
-            place: PixelPlace::new(x, y),
+            place,
+            splits: Splits {
+                numbers,
+                place,
+                index,
+            },
         })
     }
 }

@@ -33,13 +33,14 @@ impl SampleCounts {
     }
 
     /// The numbers of path `index` of each pixel of a tile: paths of an iteration, and those of the next one,
-    /// follow each other in one sequence.
+    /// follow each other in one sequence. So do the paths, `n_splits` of them, that it may split into.
     pub(super) fn numbers(
         &self,
         (tile, bounds): (usize, TileBounds),
         (seed, iteration, max_bounces): (u64, u32, u32),
         index: u8,
-    ) -> TileNumbers {
+        n_splits: u8,
+    ) -> impl Iterator<Item = TileNumbers> {
         let (seed, first_iteration) = match self {
             Self::Even(_) => (seed, 0),
             Self::Apart {
@@ -50,13 +51,11 @@ impl SampleCounts {
             .wrapping_sub(first_iteration)
             .wrapping_mul(u32::from(self.of_tile(tile)));
         let [x, y] = bounds.start;
-        TileNumbers::new(
-            seed,
-            first.wrapping_add(u32::from(index)),
-            x,
-            y,
-            max_bounces,
-        )
+        let camera = first.wrapping_add(u32::from(index));
+        (0..n_splits).map(move |i| {
+            let split = (u32::from(i), u32::from(n_splits));
+            TileNumbers::split(seed, camera, split, x, y, max_bounces)
+        })
     }
 
     /// Paths of all pixels.

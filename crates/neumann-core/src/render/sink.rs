@@ -81,6 +81,16 @@ impl PixelPlace {
         }
     }
 
+    #[inline]
+    pub(super) fn x(self) -> usize {
+        self.x as usize
+    }
+
+    #[inline]
+    pub(super) fn y(self) -> usize {
+        self.y as usize
+    }
+
     /// Its number in the tile.
     #[inline]
     #[must_use]

@@ -36,6 +36,9 @@ const SHIFT_KEY: u64 = 0x7e_554a;
 #[derive(Debug)]
 pub struct TileNumbers {
     seed: u64,
+    /// Index in the sequence of the camera's numbers,
+    camera: u32,
+    /// and of the others.
     iteration: u32,
     tile_key: u64,
     /// `kept[bounce * 2 + i]`, where the camera counts as a bounce.
@@ -92,16 +95,33 @@ impl TileNumbers {
     /// The numbers of one iteration for the tile with pixel (x, y), of paths of some length.
     #[must_use]
     pub fn new(seed: u64, iteration: u32, x: usize, y: usize, max_bounces: u32) -> Self {
+        Self::split(seed, iteration, (0, 1), x, y, max_bounces)
+    }
+
+    /// As [`Self::new`], for path number `i` of `(i, n)` that have one camera ray in common: from there on, their numbers and those of
+    /// the next iterations follow each other in the sequence.
+    #[must_use]
+    pub fn split(
+        seed: u64,
+        iteration: u32,
+        (i, n): (u32, u32),
+        x: usize,
+        y: usize,
+        max_bounces: u32,
+    ) -> Self {
+        let (camera, iteration) = (iteration, iteration.wrapping_mul(n).wrapping_add(i));
         let tile = ((y / EDGE) as u64) << 31 | (x / EDGE) as u64;
         let tile_key = path_key(seed, TILES | tile);
         let n_kept = N_KEPT.min(2 * (max_bounces as usize + 1));
         let mut kept = [Point::default(); N_KEPT];
         for (i, point) in kept[..n_kept].iter_mut().enumerate() {
             let block = i as u32 / 2 * BLOCKS_PER_BOUNCE + i as u32 % 2;
-            *point = scrambled_point(tile_key, block, iteration);
+            let index = if i < 2 { camera } else { iteration };
+            *point = scrambled_point(tile_key, block, index);
         }
         Self {
             seed,
+            camera,
             iteration,
             tile_key,
             kept,
@@ -126,7 +146,15 @@ impl TileNumbers {
     fn common(&self, block: u32) -> Point {
         match self.kept(block) {
             Some(point) => *point,
-            None => scrambled_point(self.tile_key, block, self.iteration),
+            None => {
+                let is_camera = block < BLOCKS_PER_BOUNCE;
+                let index = if is_camera {
+                    self.camera
+                } else {
+                    self.iteration
+                };
+                scrambled_point(self.tile_key, block, index)
+            }
         }
     }
 
@@ -263,6 +291,29 @@ mod tests {
                 for i in 0..64 {
                     let iteration = TileNumbers::new(9, i, pixel, 7, 1);
                     let [x, y] = iteration.of_pixel(pixel, 7, pixel).next_2d();
+                    let cell = (y * ny as f32) as usize * nx + (x * nx as f32) as usize;
+                    assert!(!std::mem::replace(&mut seen[cell], true));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_splits_has_one_camera_ray_and_even_directions() {
+        let n = 4;
+        for pixel in 0..20 {
+            for (nx, ny) in [(64, 1), (8, 8), (1, 64)] {
+                let mut seen = [false; 64];
+                for i in 0..64 {
+                    let of = |i| {
+                        let tile = TileNumbers::split(9, i / n, (i % n, n), pixel, 7, 1);
+                        let mut sampler = tile.of_pixel(pixel, 7, pixel);
+                        let camera: Vec<_> = (0..5).map(|_| sampler.next_2d()).collect();
+                        sampler.start_bounce(0);
+                        (camera, sampler.next_2d())
+                    };
+                    let (camera, [x, y]) = of(i);
+                    assert_eq!(camera, of(i / n * n).0);
                     let cell = (y * ny as f32) as usize * nx + (x * nx as f32) as usize;
                     assert!(!std::mem::replace(&mut seen[cell], true));
                 }

@@ -37,7 +37,8 @@ struct JoinedLanes {
     is_apart: Lanes<u32>,
 }
 
-/// Connections of which it is not known yet whether anything is in between: asked when there are enough for all lanes.
+/// Connections of which it is not known yet whether anything is in between: asked when there are enough for all lanes, and at the end of
+/// each step.
 #[derive(Default)]
 pub(super) struct Unseen {
     n: usize,
@@ -56,6 +57,9 @@ impl Unseen {
         tracer: &mut Tracer<'_>,
         mut add: impl FnMut(PixelPlace, Contribution),
     ) {
+        if self.n == 0 {
+            return;
+        }
         self.segments.set_mask(!(!0 << self.n));
         let shares = tracer.transmittances(&self.segments);
         for (lane, share) in shares.into_iter().enumerate().take(self.n) {

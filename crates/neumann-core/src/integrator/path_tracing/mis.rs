@@ -4,7 +4,8 @@
 //! is weighed by how well it samples the direction, `w_i = p_i² / (p_1² + p_2²)`
 //! ([Veach 1997] 9.2.3.2). A sky of one radiance is not aimed at: the BSDF samples it
 //! as it counts. Where there are mirrors or glass, a diffuse surface sends them some of its paths
-//! ([`crate::transport::casters`]). Long paths end by Russian roulette on their throughput.
+//! ([`crate::transport::casters`]). Where such a sky is the only light, a path splits in two at its first surface: nearly all of the
+//! error is in what of the sky is seen from there. Long paths end by Russian roulette on their throughput.
 //!
 //! `Walk::step` is the method. `abreast` takes sixteen paths through it side by side, which changes no bit.
 
@@ -18,7 +19,7 @@ use crate::sampling::{Sampler, roulette};
 use crate::scene::{Caster, Scene};
 use crate::transport::casters::Cones;
 use crate::transport::reflection::{Drawn, aim_at_light, light_sample};
-use crate::transport::{Medium, Tracer};
+use crate::transport::{Medium, SurfaceVertex, Tracer};
 
 use super::abreast;
 use super::adaptive::{ADAPTIVE, Adaptive};
@@ -84,9 +85,12 @@ struct Mis {
 impl Integrator for Mis {
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
         let camera = pass.camera();
+        let splits = Walk::splits_in(scene);
+        pass.split(if splits { N_SPLITS } else { 1 });
         let walk = Walk {
             scene,
             max_bounces: pass.max_bounces(),
+            splits,
             choice: self.choice,
             has_roulette: self.has_roulette,
             casters: if self.has_casters {
@@ -109,7 +113,12 @@ pub(super) struct Walk<'a> {
     pub(super) has_roulette: bool,
     /// What diffuse surfaces send some of their paths to.
     pub(super) casters: &'a [Caster],
+    /// Whether paths split at their first surface.
+    pub(super) splits: bool,
 }
+
+/// Paths that one splits into.
+const N_SPLITS: u8 = 2;
 
 /// A path on its way.
 #[derive(Clone, Copy, Debug)]
@@ -140,15 +149,51 @@ impl Path {
 }
 
 impl Walk<'_> {
-    /// One step of a path, from what its ray has met on to the next ray; `None` where it ends.
-    pub(super) fn step(
+    /// True in a scene where paths split: one lit by nothing but a sky of one radiance.
+    pub(super) fn splits_in(scene: &Scene) -> bool {
+        let lights = scene.lights();
+        let sky = lights.uniform_environment();
+        lights.as_slice().len() == 1 && sky.is_some_and(|radiance| !radiance.is_black())
+    }
+
+    /// One step of a path, from what its ray has met on to the next ray; `None` where it ends. Others that it splits into, with
+    /// their random numbers, are handed to `split_off`.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "a path, those that it splits into, and where all of them go"
+    )]
+    #[inline(always)]
+    pub(super) fn step<'t>(
         &self,
-        mut path: Path,
+        path: Path,
         found: Option<&Hit>,
         tracer: &mut Tracer<'_>,
         sampler: &mut Sampler<'_>,
+        others: impl Iterator<Item = Sampler<'t>>,
         sink: &mut Sink<'_>,
+        mut split_off: impl FnMut(Path, Sampler<'t>),
     ) -> Option<Path> {
+        let (mut path, vertex) = self.meet(path, found, tracer, sink)?;
+        if self.splits && path.bounce == 0 && vertex.bsdf.has_density() {
+            path.throughput *= 1.0 / f32::from(N_SPLITS);
+            for mut sampler in others {
+                if let Some(next) = self.scatter(path, &vertex, tracer, &mut sampler, sink) {
+                    split_off(next, sampler);
+                }
+            }
+        }
+        self.scatter(path, &vertex, tracer, sampler, sink)
+    }
+
+    /// Light that a path runs into, and the vertex that it goes on from, if it does.
+    #[inline(always)]
+    fn meet<'s>(
+        &self,
+        mut path: Path,
+        found: Option<&Hit>,
+        tracer: &mut Tracer<'s>,
+        sink: &mut Sink<'_>,
+    ) -> Option<(Path, SurfaceVertex<'s>)> {
         let (bounce, medium) = (path.bounce, path.medium);
         // What does the ray meet? Nothing: the environment emits.
         let Some(found) = found else {
@@ -174,22 +219,32 @@ impl Walk<'_> {
             let weight = path.drawn.map_or(1.0, |d| d.mis_weight(tracer, &vertex));
             sink.add(hit(bounce, path.throughput * emitted, weight));
         }
-        if bounce == self.max_bounces {
-            return None;
-        }
+        (bounce < self.max_bounces).then_some((path, vertex))
+    }
+
+    /// Aims at a light from a vertex, and goes on to the next ray; `None` where the path ends.
+    fn scatter(
+        &self,
+        mut path: Path,
+        vertex: &SurfaceVertex<'_>,
+        tracer: &mut Tracer<'_>,
+        sampler: &mut Sampler<'_>,
+        sink: &mut Sink<'_>,
+    ) -> Option<Path> {
+        let (bounce, medium) = (path.bounce, path.medium);
 
         // Draw a direction from the BSDF, or towards a mirror or glass.
-        let cones = Cones::seen_from(&vertex, self.casters);
+        let cones = Cones::seen_from(vertex, self.casters);
         let u = bsdf_numbers(sampler, bounce);
         let sample = match &cones {
-            Some(cones) => cones.sample(&vertex, u, MODE),
+            Some(cones) => cones.sample(vertex, u, MODE),
             None => vertex.sample(u, MODE),
         };
 
         // The next event, aimed at, against running into it.
         if vertex.bsdf.has_density() {
             let u = light_sample(sampler);
-            if let Some(aimed) = aim_at_light(tracer, &vertex, medium, self.choice, &u) {
+            if let Some(aimed) = aim_at_light(tracer, vertex, medium, self.choice, &u) {
                 let value = path.throughput * aimed.value;
                 let aimed = cones.map_or(aimed, |cones| cones.beside(aimed));
                 sink.add(connect(bounce + 1, value, aimed.mis_weight()));
@@ -199,7 +254,7 @@ impl Walk<'_> {
         // On to the next vertex.
         let sample = sample?;
         path.throughput *= sample.throughput();
-        path.drawn = Drawn::at(&vertex, self.choice, &sample);
+        path.drawn = Drawn::at(vertex, self.choice, &sample);
 
         // Paths that carry little end by chance.
         if !sample.is_delta {
@@ -208,7 +263,7 @@ impl Walk<'_> {
             }
             path.n_events += 1;
         }
-        path.medium = medium.beyond(&vertex, sample.wi);
+        path.medium = medium.beyond(vertex, sample.wi);
         path.ray = vertex.ray(sample.wi);
         path.bounce += 1;
         Some(path)

@@ -164,6 +164,9 @@ impl<'s> CameraEnd<'s> {
                 room.approach(self);
                 self.connect(abreast, &walks, &places, room, tracer, sink);
             }
+            // None waits for another step, so that what is added to a pixel's layer is in the order of its path.
+            room.unseen
+                .see(tracer, |place, found| sink.add_at(place, found));
             room.finish(self);
             if abreast != 0 {
                 let (vertices, directions) = (&room.vertices, &mut room.directions);
@@ -177,8 +180,6 @@ impl<'s> CameraEnd<'s> {
             }
             self.merge(&places, room, sink);
         }
-        room.unseen
-            .see(tracer, |place, found| sink.add_at(place, found));
     }
 
     /// Draws what the lanes need, and chooses lights to aim at; returns those lanes whose lights are plain triangles.

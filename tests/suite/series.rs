@@ -311,25 +311,17 @@ fn lamps_emit_from_their_front() {
 /// A cut leaves out what is beyond it, and nothing else.
 #[test]
 fn depth_cut() {
-    for (name, &method) in METHODS
-        .iter()
-        .flat_map(|method| ["cornell", "furnace"].map(|name| (name, method)))
-    {
-        let scene = builtin(name);
+    let scene = builtin("cornell");
+    for &method in METHODS {
         let setup = Setup::new(&scene, 16, 16).by(method);
         let deep = setup.clone().up_to(12).film(0, 3);
         for max_bounces in [0u32, 1, 3] {
             let cut = setup.clone().up_to(max_bounces).film(0, 3);
             for (k, layer) in cut.layers().iter().enumerate() {
                 if k > max_bounces as usize {
-                    assert!(is_black(layer), "{name}, {}: bounce {k} was cut", method.id);
+                    assert!(is_black(layer), "{}: bounce {k} was cut", method.id);
                 } else {
-                    assert_eq!(
-                        layer,
-                        &deep.layers()[k],
-                        "{name}, {}: bounce {k}",
-                        method.id
-                    );
+                    assert_eq!(layer, &deep.layers()[k], "{}: bounce {k}", method.id);
                 }
             }
         }

@@ -36,6 +36,8 @@ pub fn studios() -> Vec<(&'static str, Arc<Scene>)> {
     add_texture(&mut textured);
     let mut sky = studio([rough_glass(), plastic(0.4), metal(0.5)]);
     sky.description.environment = Some(gradient());
+    let mut even_sky = studio([rough_glass(), plastic(0.4), metal(0.5)]);
+    even_sky.description.environment = Some(EnvironmentDescription::uniform(Rgb::splat(1.5)));
     let mut panes = studio([thin_glass(), plastic_and_glass(), lambert(0.9)]);
     panes.add("lamp", lamp_mesh(), emitter(5.0));
     let mut veil = lamp(emitter(5.0));
@@ -68,6 +70,7 @@ pub fn studios() -> Vec<(&'static str, Arc<Scene>)> {
         ("lamp of two sides", lamp(both_sides)),
         ("textured lamp", textured),
         ("sky", sky),
+        ("even sky", even_sky),
         ("panes", panes),
         ("veil", veil),
         ("lamp and sky", everything),

@@ -110,18 +110,28 @@ pub struct Start {
 
 impl Start {
     /// What the ray carries, over the density with which it was started: power for a light.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn throughput(&self) -> Rgb {
         self.value * (self.cos / (self.densities.pdf_a * self.densities.pdf_w))
     }
 
+    /// Where it starts, as a point of a surface.
+    #[inline(always)]
+    #[must_use]
+    pub fn point(&self) -> SurfacePoint {
+        SurfacePoint {
+            position: self.position,
+            error: self.error,
+            ng: self.ng,
+        }
+    }
+
     /// The ray, moved off the surface that it starts on.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn ray(&self) -> Ray {
-        let origin = offset_point(self.position, self.error, self.ng, self.direction);
-        Ray::new(origin, self.direction)
+        Ray::new(self.point().off_surface(self.direction), self.direction)
     }
 }
 

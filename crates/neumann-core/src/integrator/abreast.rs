@@ -120,7 +120,7 @@ pub(super) mod tests {
     use crate::render::{CancelToken, RenderSettings, Renderer, WorkerPool};
     use crate::scene::Scene;
     use crate::scene::builtin::builtin;
-    use crate::scene::description::Lens;
+    use crate::scene::description::{EnvironmentDescription, Lens, SceneDescription};
 
     /// Scenes that have, between them, all that paths may join for or have to do by themselves: smooth normals, mirrors and glass,
     /// coats, a tree of lights, a sky, volumes.
@@ -129,11 +129,28 @@ pub(super) mod tests {
 
     /// Two iterations of a scene, seen through a lens, layer by layer.
     pub(in crate::integrator) fn layers(scene: &str, method: &'static Method) -> Vec<Rgb> {
-        let description = builtin(scene).unwrap().load().unwrap();
-        let scene = Arc::new(Scene::build(&description));
+        layers_of(&builtin(scene).unwrap().load().unwrap(), method)
+    }
+
+    /// The same under a sky of one radiance instead of its lights.
+    pub(in crate::integrator) fn layers_under_even_sky(
+        scene: &str,
+        method: &'static Method,
+    ) -> Vec<Rgb> {
+        let mut description = builtin(scene).unwrap().load().unwrap();
+        for material in &mut description.materials {
+            material.emission = Rgb::BLACK;
+        }
+        description.environment = Some(EnvironmentDescription::uniform(Rgb::WHITE));
+        layers_of(&description, method)
+    }
+
+    fn layers_of(description: &SceneDescription, method: &'static Method) -> Vec<Rgb> {
+        let scene = Arc::new(Scene::build(description));
         let mut settings = RenderSettings::new(scene.cameras()[0].clone(), 40, 30);
         settings.camera.lens = Some(Lens {
-            aperture: 0.02,
+            // Wide enough for particles to run into it.
+            aperture: 0.5,
             focus_distance: 2.0,
         });
         settings.method = method;

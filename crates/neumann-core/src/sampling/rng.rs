@@ -124,9 +124,21 @@ impl<'a> Sampler<'a> {
     /// The first pairs of numbers of bounce `k`, as [`Self::next_2d`] would draw them after [`Self::start_bounce`].
     #[inline(always)]
     pub(crate) fn bounce_pairs(&self, k: u32) -> [[f32; 2]; N_PAIRS] {
+        self.first_pairs(k + 1)
+    }
+
+    /// The first pairs of numbers of the camera or the light, as [`Self::next_2d`] would draw them at the start.
+    #[inline(always)]
+    pub(crate) fn start_pairs(&self) -> [[f32; 2]; N_PAIRS] {
+        self.first_pairs(0)
+    }
+
+    /// Those of a bounce, where the camera's or the light's count as number 0.
+    #[inline(always)]
+    fn first_pairs(&self, bounce: u32) -> [[f32; 2]; N_PAIRS] {
         let point = match &self.pixel {
-            Some(pixel) => pixel.first_point(self.key, k + 1),
-            None => scrambled_point(self.key, (k + 1) * BLOCKS_PER_BOUNCE, self.iteration),
+            Some(pixel) => pixel.first_point(self.key, bounce),
+            None => scrambled_point(self.key, bounce * BLOCKS_PER_BOUNCE, self.iteration),
         };
         let unit = point.map(unit_from_bits);
         std::array::from_fn(|i| [unit[i], unit[i + N_PAIRS]])

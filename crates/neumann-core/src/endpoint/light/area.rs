@@ -232,32 +232,13 @@ impl AreaLight {
 
     pub(super) fn start(&self, u: &LightSample) -> Option<Start> {
         let (barycentrics, pdf_a) = self.sample_position(u);
-        let mut u_direction = u.direction;
-        let mut side = 1.0;
-        if self.panel.is_double_sided {
-            u_direction[0] *= 2.0;
-            if u_direction[0] >= 1.0 {
-                u_direction[0] -= 1.0;
-                side = -1.0;
-            }
-        }
-        let local = warp::cosine_hemisphere(u_direction);
-        let direction = Frame::from_z(self.panel.ng * side).world_from_local(local);
-        let value = self.radiance(barycentrics, direction);
-        let pdf_w = self.pdf_w_start(direction);
-        (!value.is_black() && pdf_w > 0.0).then(|| Start {
-            position: self.panel.at(barycentrics),
-            error: self.panel.error,
-            ng: self.panel.ng,
-            direction,
-            value,
-            cos: self.panel.ng.dot(direction).abs(),
-            densities: StartDensities { pdf_a, pdf_w },
-            spread: Spread::Point { pdf_w },
-            light: 0,
+        let radiance = |direction| self.radiance(barycentrics, direction);
+        let start = self
+            .panel
+            .start_at(barycentrics, pdf_a, u.direction, radiance)?;
+        Some(Start {
             on_triangle: Some((self.triangle, barycentrics)),
-            is_delta_position: false,
-            is_delta_direction: false,
+            ..start
         })
     }
 
@@ -295,6 +276,62 @@ impl Panel {
         } else {
             warp::cosine_hemisphere_pdf_w(cos)
         }
+    }
+
+    /// Radiance towards `wo` of a triangle that has this one where it shines.
+    #[inline(always)]
+    pub(super) fn radiance(&self, wo: Vec3, radiance: Rgb) -> Rgb {
+        if self.shines(wo) {
+            radiance
+        } else {
+            Rgb::BLACK
+        }
+    }
+
+    /// Starts a ray from the point that `u` in [0, 1)² chooses, in the direction that `u_direction` does, the triangle being of one
+    /// radiance.
+    #[inline(always)]
+    pub(super) fn start(&self, u: [f32; 2], u_direction: [f32; 2], radiance: Rgb) -> Option<Start> {
+        let barycentrics = warp::triangle(u);
+        self.start_at(barycentrics, 1.0 / self.area, u_direction, |direction| {
+            self.radiance(direction, radiance)
+        })
+    }
+
+    #[inline(always)]
+    fn start_at(
+        &self,
+        barycentrics: [f32; 2],
+        pdf_a: f32,
+        mut u_direction: [f32; 2],
+        radiance: impl FnOnce(Vec3) -> Rgb,
+    ) -> Option<Start> {
+        let mut side = 1.0;
+        if self.is_double_sided {
+            u_direction[0] *= 2.0;
+            if u_direction[0] >= 1.0 {
+                u_direction[0] -= 1.0;
+                side = -1.0;
+            }
+        }
+        let local = warp::cosine_hemisphere(u_direction);
+        let direction = Frame::from_z(self.ng * side).world_from_local(local);
+        let value = radiance(direction);
+        let pdf_w = self.pdf_w_start(direction);
+        (!value.is_black() && pdf_w > 0.0).then(|| Start {
+            position: self.at(barycentrics),
+            error: self.error,
+            ng: self.ng,
+            direction,
+            value,
+            cos: self.ng.dot(direction).abs(),
+            densities: StartDensities { pdf_a, pdf_w },
+            spread: Spread::Point { pdf_w },
+            light: 0,
+            on_triangle: None,
+            is_delta_position: false,
+            is_delta_direction: false,
+        })
     }
 
     /// Aims at the point that `u` in [0, 1)² chooses, the triangle being of one radiance.

@@ -173,10 +173,16 @@ impl Lights {
         Some(aim)
     }
 
+    /// Chooses a light to start a ray from, with its probability; `None` means no light.
+    #[inline]
+    pub(crate) fn choose_start(&self, u: f32) -> Option<(usize, f32)> {
+        Some(self.chooser.as_ref()?.by_power(u))
+    }
+
     /// Chooses a light and starts a ray from it; `None` means no light this way.
     #[must_use]
     pub fn start(&self, u: &LightSample) -> Option<Start> {
-        let (index, pmf) = self.chooser.as_ref()?.by_power(u.choice[0]);
+        let (index, pmf) = self.choose_start(u.choice[0])?;
         let mut start = match &self.lights[index] {
             Light::Area(l) => l.start(u),
             Light::Point(l) => Some(l.start(u.direction)),

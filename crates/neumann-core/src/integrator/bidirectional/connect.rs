@@ -5,7 +5,7 @@ use super::weights::{EndDensities, JointDensities};
 use super::{Vertex, Walk, Weighing};
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::LightSample;
-use crate::endpoint::{Aim, Camera, LightChoice, Start, StartDensities, SurfacePoint};
+use crate::endpoint::{Aim, Camera, LightChoice, Start, StartDensities};
 use crate::film::{Contribution, Strategy};
 use crate::radiometry::Rgb;
 use crate::transport::Tracer;
@@ -265,19 +265,9 @@ pub fn see_light(
     let lights = tracer.scene.lights();
     let (raster, value) = if let Some((triangle, barycentrics)) = start.on_triangle {
         let (_, light) = lights.of_triangle(triangle)?;
-        let (aim, raster) = camera.aim(start.position, u)?;
-        let radiance = light.radiance(barycentrics, aim.wi);
-        if radiance.is_black() {
-            return None;
-        }
-        let point = SurfacePoint {
-            position: start.position,
-            error: start.error,
-            ng: start.ng,
-        };
-        let cos = start.ng.dot(aim.wi).abs();
-        let value = radiance * aim.value * (cos / (start.densities.pdf_a * aim.pdf_w));
-        (raster, value * tracer.visibility(&point, &aim))
+        let radiance = |wo| light.radiance(barycentrics, wo);
+        let (raster, value, aim) = see_panel_unshadowed(camera, start, u, radiance)?;
+        (raster, value * tracer.visibility(&start.point(), &aim))
     } else if start.is_delta_position || start.is_delta_direction {
         return None;
     } else {
@@ -293,4 +283,19 @@ pub fn see_light(
         let contribution = contribution(value / n_light_paths as f32, 1.0, strategy);
         (raster, contribution)
     })
+}
+
+/// What a triangle emits from where it has started a ray towards the lens, if nothing is in the way, as if it had started no other.
+#[inline(always)]
+pub fn see_panel_unshadowed(
+    camera: &Camera,
+    start: &Start,
+    u: [f32; 2],
+    radiance: impl FnOnce(Vec3) -> Rgb,
+) -> Option<(Vec2, Rgb, Aim)> {
+    let (aim, raster) = camera.aim(start.position, u)?;
+    let radiance = radiance(aim.wi);
+    let cos = start.ng.dot(aim.wi).abs();
+    let value = radiance * aim.value * (cos / (start.densities.pdf_a * aim.pdf_w));
+    (!radiance.is_black()).then_some((raster, value, aim))
 }

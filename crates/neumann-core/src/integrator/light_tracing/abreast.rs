@@ -3,14 +3,17 @@
 use glam::{Vec2, Vec3};
 
 use crate::accel::{Hit, HitLanes, RayLanes};
-use crate::endpoint::Camera;
+use crate::endpoint::light::{Light, PanelLanes};
+use crate::endpoint::{Camera, Spread, Start, StartDensities, SurfacePoint};
 use crate::integrator::abreast::PathLanes;
-use crate::math::lanes::{LANES, Lanes, lanes_of, vectorized};
+use crate::integrator::bidirectional::connect::see_panel_unshadowed;
+use crate::math::Ray;
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
 use crate::radiometry::{Rgb, RgbLanes};
 use crate::render::{LightPaths, Sink};
-use crate::sampling::roulette;
+use crate::sampling::{Sampler, roulette};
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
-use crate::transport::{Tracer, are_apart};
+use crate::transport::{Medium, Tracer, are_apart};
 
 use super::{MODE, Path, Walk, see_unshadowed, splat};
 
@@ -23,22 +26,31 @@ pub(super) fn trace(
 ) {
     let mut paths = Paths::default();
     let mut vertices = DiffuseVertices::new(walk.scene);
+    let mut starts = Starts::default();
     let mut events = Events::default();
     loop {
-        // A lane without a particle takes the next one that leaves a light.
+        // A lane without a particle takes the next one that leaves a light. Those of plain triangles start together.
+        let (mut together, mut is_last) = (0, false);
         for lane in lanes_of(!paths.common.rays.mask()) {
-            let started = numbers.find_map(|mut sampler| {
-                let path = walk.start(tracer, &mut sampler, sink)?;
-                Some((path, sampler))
-            });
-            let Some((path, sampler)) = started else {
+            let Some(mut sampler) = numbers.next() else {
+                is_last = true;
                 break;
             };
+            if starts.choose(walk, lane, &sampler) {
+                together |= 1 << lane;
+            } else if let Some(path) = walk.start(tracer, &mut sampler, sink) {
+                paths.set(lane, &path);
+            }
             paths.common.samplers[lane] = sampler;
-            paths.set(lane, &path);
+        }
+        if together != 0 {
+            starts.take(walk, together, &mut paths, tracer, sink);
         }
         if paths.common.rays.mask() == 0 {
-            return;
+            if is_last {
+                return;
+            }
+            continue;
         }
         // Where do they land? Some go on from there together, the others each by itself.
         let hits = tracer.hits(&paths.common.rays);
@@ -77,19 +89,9 @@ pub(super) fn trace(
 
         // What scatters there, seen by the lens.
         see(&vertices, &mut events, &paths, walk.camera);
-        let mut sight = 0;
-        for lane in lanes_of(abreast) {
-            sight |= (events.is_seen.get(lane) & events.is_apart.get(lane)) << lane;
-        }
-        events.sight.set_mask(sight);
-        let shares = tracer.transmittances(&events.sight);
-        for lane in lanes_of(abreast) {
-            if events.is_seen.get(lane) != 0 && shares[lane] > 0.0 {
-                let value = events.seen.get(lane) * shares[lane] / walk.n_paths as f32;
-                let [x, y] = [0, 1].map(|i| events.raster[i].get(lane));
-                sink.splat(Vec2::new(x, y), splat(paths.common.bounce(lane) + 1, value));
-            }
-        }
+        let bounce = |lane| paths.common.bounce(lane) + 1;
+        let Events { sight, .. } = &mut events;
+        sight.splat(abreast, walk.n_paths, bounce, tracer, sink);
 
         // On to the next vertices.
         vertices.sample(&events.u_direction, MODE, &mut events.samples);
@@ -147,18 +149,182 @@ impl Paths {
     }
 }
 
+/// Particles that start together from plain triangles.
+#[derive(Default)]
+struct Starts {
+    panels: PanelLanes,
+    u_direction: [Lanes<f32>; 2],
+    u_lens: [Lanes<f32>; 2],
+    origin: Vec3Lanes,
+    direction: Vec3Lanes,
+    power: RgbLanes,
+    is_started: Lanes<u32>,
+    /// What the lens sees of where they start.
+    sight: Sight,
+}
+
+/// What the lens sees, if nothing is in the way, where on the raster, and the rays that tell.
+#[derive(Default)]
+struct Sight {
+    seen: RgbLanes,
+    raster: [Lanes<f32>; 2],
+    rays: RayLanes,
+    is_seen: Lanes<u32>,
+    is_apart: Lanes<u32>,
+}
+
+impl Starts {
+    /// Chooses the light of a lane's particle; false if it is no plain triangle.
+    fn choose(&mut self, walk: &Walk<'_>, lane: usize, sampler: &Sampler<'_>) -> bool {
+        // In the order in which a start by itself draws them.
+        let [direction, choice, point, lens] = sampler.start_pairs();
+        let lights = walk.scene.lights();
+        let Some((index, pmf)) = lights.choose_start(choice[0]) else {
+            return false;
+        };
+        let Light::Area(light) = &lights.as_slice()[index] else {
+            return false;
+        };
+        let Some(panel) = light.as_uniform() else {
+            return false;
+        };
+        self.panels.set(lane, &panel, pmf, point);
+        for i in 0..2 {
+            self.u_direction[i].set(lane, direction[i]);
+            self.u_lens[i].set(lane, lens[i]);
+        }
+        true
+    }
+
+    /// Sends out the particles of the lanes that have been chosen for; the lens may see where they start.
+    fn take(
+        &mut self,
+        walk: &Walk<'_>,
+        lanes: u32,
+        paths: &mut Paths,
+        tracer: &mut Tracer<'_>,
+        sink: &mut Sink<'_>,
+    ) {
+        start(self, walk.camera);
+        let mut started = 0;
+        for lane in lanes_of(lanes) {
+            started |= self.is_started.get(lane) << lane;
+        }
+        self.sight.splat(started, walk.n_paths, |_| 0, tracer, sink);
+        if walk.max_bounces == 0 {
+            return;
+        }
+        for lane in lanes_of(started) {
+            let power = self.power.get(lane);
+            let path = Path {
+                ray: Ray::new(self.origin.get(lane), self.direction.get(lane)),
+                throughput: power,
+                medium: Medium::VACUUM,
+                bounce: 0,
+                power: power.max_channel(),
+            };
+            paths.set(lane, &path);
+        }
+    }
+}
+
+impl Sight {
+    /// Adds what is seen of the lanes after so many scattering events each.
+    fn splat(
+        &mut self,
+        lanes: u32,
+        n_paths: usize,
+        bounce: impl Fn(usize) -> u32,
+        tracer: &mut Tracer<'_>,
+        sink: &mut Sink<'_>,
+    ) {
+        let mut rays = 0;
+        for lane in lanes_of(lanes) {
+            rays |= (self.is_seen.get(lane) & self.is_apart.get(lane)) << lane;
+        }
+        self.rays.set_mask(rays);
+        let shares = tracer.transmittances(&self.rays);
+        for lane in lanes_of(lanes) {
+            if self.is_seen.get(lane) != 0 && shares[lane] > 0.0 {
+                let value = self.seen.get(lane) * shares[lane] / n_paths as f32;
+                let [x, y] = [0, 1].map(|i| self.raster[i].get(lane));
+                sink.splat(Vec2::new(x, y), splat(bounce(lane), value));
+            }
+        }
+    }
+
+    /// Sets the ray that tells whether a point is seen from another one so far away along `wi`.
+    #[inline(always)]
+    fn set_ray(&mut self, lane: usize, point: &SurfacePoint, wi: Vec3, distance: f32) {
+        let origin = point.off_surface(wi);
+        let apart = point.position + wi * distance - origin;
+        self.rays.set_segment(lane, origin, apart);
+        self.is_apart.set(lane, u32::from(are_apart(apart)));
+    }
+
+    /// Sets what is seen of it, and where.
+    #[inline(always)]
+    fn set(&mut self, lane: usize, is_seen: bool, raster: Vec2, value: Rgb) {
+        self.is_seen.set(lane, u32::from(is_seen));
+        self.raster[0].set(lane, raster.x);
+        self.raster[1].set(lane, raster.y);
+        self.seen.set(lane, value);
+    }
+}
+
+vectorized! {
+    /// Starts particles, and aims at the lens from there.
+    fn start(starts: &mut Starts, camera: &Camera) {
+        for lane in 0..LANES {
+            let u = [starts.u_direction[0].get(lane), starts.u_direction[1].get(lane)];
+            let started = starts.panels.start(lane, u);
+            let is_started = started.is_some();
+            let start = started.unwrap_or(NOWHERE);
+            starts.is_started.set(lane, u32::from(is_started));
+            let ray = start.ray();
+            starts.origin.set(lane, ray.origin());
+            starts.direction.set(lane, ray.direction());
+            starts.power.set(lane, start.throughput());
+            let u = [starts.u_lens[0].get(lane), starts.u_lens[1].get(lane)];
+            let panels = &starts.panels;
+            let seen = see_panel_unshadowed(camera, &start, u, |wo| panels.radiance(lane, wo));
+            let is_seen = seen.is_some();
+            let raster = seen.as_ref().map_or(Vec2::ZERO, |(raster, ..)| *raster);
+            let value = seen.as_ref().map_or(Rgb::BLACK, |(_, value, _)| *value);
+            let wi = seen.as_ref().map_or(Vec3::ZERO, |(.., aim)| aim.wi);
+            let distance = seen.as_ref().map_or(0.0, |(.., aim)| aim.distance);
+            starts.sight.set(lane, is_seen, raster, value);
+            starts.sight.set_ray(lane, &start.point(), wi, distance);
+        }
+    }
+}
+
+/// In the place of a start that does not take place.
+const NOWHERE: Start = Start {
+    position: Vec3::ZERO,
+    error: 0.0,
+    ng: Vec3::Z,
+    direction: Vec3::Z,
+    value: Rgb::BLACK,
+    cos: 1.0,
+    densities: StartDensities {
+        pdf_a: 1.0,
+        pdf_w: 1.0,
+    },
+    spread: Spread::Point { pdf_w: 1.0 },
+    light: 0,
+    on_triangle: None,
+    is_delta_position: false,
+    is_delta_direction: false,
+};
+
 /// What is drawn at the vertices, and what comes of it.
 #[derive(Default)]
 struct Events {
     u_lens: [Lanes<f32>; 2],
     u_direction: [Lanes<f32>; 3],
     u_roulette: Lanes<f32>,
-    /// What the lens sees, if nothing is in the way, where on the raster, and the ray that tells.
-    seen: RgbLanes,
-    raster: [Lanes<f32>; 2],
-    sight: RayLanes,
-    is_seen: Lanes<u32>,
-    is_apart: Lanes<u32>,
+    sight: Sight,
     samples: DiffuseSamples,
     /// 1 where the particle goes on.
     goes_on: Lanes<u32>,
@@ -176,14 +342,9 @@ vectorized! {
             let raster = seen.as_ref().map_or(Vec2::ZERO, |(seen, _)| seen.raster);
             let wi = seen.as_ref().map_or(Vec3::ZERO, |(_, aim)| aim.wi);
             let distance = seen.as_ref().map_or(0.0, |(_, aim)| aim.distance);
-            events.seen.set(lane, paths.common.throughput(lane) * share);
-            events.raster[0].set(lane, raster.x);
-            events.raster[1].set(lane, raster.y);
-            let origin = vertex.point.off_surface(wi);
-            let apart = vertex.point.position + wi * distance - origin;
-            events.sight.set_segment(lane, origin, apart);
-            events.is_seen.set(lane, u32::from(is_seen));
-            events.is_apart.set(lane, u32::from(are_apart(apart)));
+            let value = paths.common.throughput(lane) * share;
+            events.sight.set(lane, is_seen, raster, value);
+            events.sight.set_ray(lane, &vertex.point, wi, distance);
         }
     }
 }

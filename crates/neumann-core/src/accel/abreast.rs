@@ -11,7 +11,7 @@ use super::Hit;
 use super::traverse::{AXES, BoxHits, FAR_PADDING, Prepared};
 use super::wide::{Node, WIDTH};
 use crate::math::Ray;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of};
 
 /// A ray in each lane, or none.
 #[derive(Clone, Debug, Default)]
@@ -98,6 +98,15 @@ impl RayLanes {
     #[inline(always)]
     pub(crate) fn mask(&self) -> u32 {
         self.is_there
+    }
+
+    /// Says that of some lanes (one bit for each) those have rays of which both numbers are 1.
+    #[inline(always)]
+    pub(crate) fn set_mask_where(&mut self, lanes: u32, a: &Lanes<u32>, b: &Lanes<u32>) {
+        self.is_there = 0;
+        for lane in lanes_of(lanes) {
+            self.is_there |= (a.get(lane) & b.get(lane)) << lane;
+        }
     }
 
     /// Says which lanes have rays.

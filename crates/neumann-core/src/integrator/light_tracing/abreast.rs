@@ -238,11 +238,8 @@ impl Sight {
         tracer: &mut Tracer<'_>,
         sink: &mut Sink<'_>,
     ) {
-        let mut rays = 0;
-        for lane in lanes_of(lanes) {
-            rays |= (self.is_seen.get(lane) & self.is_apart.get(lane)) << lane;
-        }
-        self.rays.set_mask(rays);
+        self.rays
+            .set_mask_where(lanes, &self.is_seen, &self.is_apart);
         let shares = tracer.transmittances(&self.rays);
         for lane in lanes_of(lanes) {
             if self.is_seen.get(lane) != 0 && shares[lane] > 0.0 {

@@ -280,12 +280,14 @@ impl<'a> Step<'a> {
         if !walk.casters.is_empty() {
             events.weigh_beside_casters(walk.casters, vertices);
         }
-        let mut shadows = 0;
-        for lane in lanes_of(abreast) {
-            shadows |= (events.is_aimed.get(lane) & events.is_apart.get(lane)) << lane;
-        }
-        events.shadows.set_mask(shadows);
-        let shares = tracer.transmittances(&events.shadows);
+        let Events {
+            shadows,
+            is_aimed,
+            is_apart,
+            ..
+        } = &mut *events;
+        shadows.set_mask_where(abreast, is_aimed, is_apart);
+        let shares = tracer.transmittances(shadows);
         for lane in lanes_of(abreast) {
             if events.is_aimed.get(lane) != 0 && shares[lane] > 0.0 {
                 let value = events.aimed.get(lane) * shares[lane];

@@ -230,12 +230,14 @@ impl<'s> CameraEnd<'s> {
         }
         let events = &mut room.events;
         aim(&room.vertices, events, &self.weighing);
-        let mut shadows = 0;
-        for lane in lanes_of(abreast) {
-            shadows |= (events.is_aimed.get(lane) & events.is_apart.get(lane)) << lane;
-        }
-        events.shadows.set_mask(shadows);
-        let shares = tracer.transmittances(&events.shadows);
+        let Events {
+            shadows,
+            is_aimed,
+            is_apart,
+            ..
+        } = &mut *events;
+        shadows.set_mask_where(abreast, is_aimed, is_apart);
+        let shares = tracer.transmittances(shadows);
         for lane in lanes_of(abreast) {
             if events.is_aimed.get(lane) != 0 && shares[lane] > 0.0 {
                 let value = events.value.get(lane) * shares[lane];

@@ -100,12 +100,14 @@ impl LightEnd<'_> {
             }
             if self.has_connections {
                 see(&vertices, &mut sight, self.camera, &self.weighing);
-                let mut rays = 0;
-                for lane in lanes_of(abreast) {
-                    rays |= (sight.is_seen.get(lane) & sight.is_apart.get(lane)) << lane;
-                }
-                sight.rays.set_mask(rays);
-                let shares = tracer.transmittances(&sight.rays);
+                let Sight {
+                    rays,
+                    is_seen,
+                    is_apart,
+                    ..
+                } = &mut sight;
+                rays.set_mask_where(abreast, is_seen, is_apart);
+                let shares = tracer.transmittances(rays);
                 for lane in lanes_of(abreast) {
                     if sight.is_seen.get(lane) != 0 && shares[lane] > 0.0 {
                         let value = sight.value.get(lane) * shares[lane] / self.n_paths as f32;

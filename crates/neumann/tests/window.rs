@@ -4,11 +4,8 @@
 //! the test says so and passes, unless `CI` is set.
 
 #![cfg(feature = "window")]
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test fails by panicking, and says so when it is left out"
-)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stderr, reason = "a test says that it is left out")]
 
 use std::io::Read;
 use std::path::PathBuf;

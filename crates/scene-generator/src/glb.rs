@@ -122,10 +122,7 @@ fn extent(positions: &[DVec3], choose: fn(f32, f32) -> f32) -> Value {
 
 /// To single precision, without negative zeros or the dust of a sine of pi.
 fn single(number: f64) -> f32 {
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "the format is single precision"
-    )]
+    #[allow(clippy::cast_possible_truncation, reason = "as glTF stores it")]
     if number.abs() < 1e-9 {
         0.0
     } else {

@@ -158,10 +158,7 @@ impl Walk<'_> {
 
     /// One step of a path, from what its ray has met on to the next ray; `None` where it ends. Others that it splits into, with
     /// their random numbers, are handed to `split_off`.
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "a path, those that it splits into, and where all of them go"
-    )]
+    #[allow(clippy::too_many_arguments, reason = "a path with all its ends")]
     #[inline(always)]
     pub(super) fn step<'t>(
         &self,

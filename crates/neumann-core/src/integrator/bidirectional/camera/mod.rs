@@ -43,10 +43,7 @@ impl CameraEnd<'_> {
 
     /// One step of a subpath, from what it meets on to the next ray; false where it ends. A vertex that is to be merged is
     /// handed to `merge`.
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "what a path has, what it is joined with, and where that goes"
-    )]
+    #[allow(clippy::too_many_arguments, reason = "a path with all its ends")]
     pub(super) fn step<'s>(
         &self,
         walk: &mut Walk,

@@ -6,6 +6,7 @@
 
 mod cancel;
 mod coverage;
+mod light_paths;
 mod pass;
 mod pixels;
 mod pool;
@@ -16,7 +17,8 @@ mod settings;
 mod sink;
 
 pub use cancel::{CancelToken, Cancelled};
-pub use pass::{Collected, LightNumbers, LightPaths, Pass};
+pub use light_paths::{Collected, LightNumbers, LightPaths};
+pub use pass::Pass;
 pub use pixels::{PixelPath, PixelSample, Pixels, Splits};
 pub use pool::WorkerPool;
 pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule, Thumbnail};

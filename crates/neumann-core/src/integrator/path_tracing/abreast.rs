@@ -407,7 +407,7 @@ vectorized! {
 #[cfg(test)]
 mod tests {
     use crate::integrator::abreast::tests::{SCENES, layers, layers_under_even_sky};
-    use crate::integrator::path_tracing::mis::{METHOD, Path, Walk};
+    use crate::integrator::path_tracing::mis::{METHOD, N_SPLITS, Path, Walk};
     use crate::integrator::{Integrator, Method};
     use crate::render::{Cancelled, Pass};
     use crate::scene::Scene;
@@ -426,7 +426,7 @@ mod tests {
                 casters: scene.casters(),
                 splits: Walk::splits_in(scene),
             };
-            pass.split(if walk.splits { 2 } else { 1 });
+            pass.split(if walk.splits { N_SPLITS } else { 1 });
             pass.trace_pixels_together(scene, |pixels, tracer, sink| {
                 for mut pixel in pixels {
                     sink.start_pixel(pixel.place);

@@ -118,7 +118,7 @@ pub(super) struct Walk<'a> {
 }
 
 /// Paths that one splits into.
-const N_SPLITS: u8 = 2;
+pub(super) const N_SPLITS: u8 = 2;
 
 /// A path on its way.
 #[derive(Clone, Copy, Debug)]

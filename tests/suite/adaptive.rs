@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
+use neumann_core::film::View;
 use neumann_core::integrator::{Value, method};
 use neumann_core::render::{CancelToken, RenderSettings, Renderer};
 use neumann_core::scene::Scene;
@@ -114,12 +115,12 @@ fn where_noise_is_uneven_the_same_rays_leave_less_error() {
 
 /// Variance of L over films, mean of the pixels: the mean squared error.
 pub(super) fn squared_error(batches: &Batches) -> f64 {
-    let n_pixels = batches.films[0].total().len();
+    let n_pixels = batches.films[0].n_pixels();
     let of_pixel = |pixel: usize| {
         let values: Vec<f64> = batches
             .films
             .iter()
-            .map(|film| f64::from(film.total()[pixel].mean()))
+            .map(|film| f64::from(film.radiance(View::Total, pixel).mean()))
             .collect();
         Estimate::of(&values).standard_error.powi(2) * values.len() as f64
     };

@@ -86,10 +86,28 @@ fn a_cancelled_iteration_leaves_no_trace() {
         for _ in 0..6 {
             let cancelled = CancelToken::default();
             cancelled.cancel();
-            assert_eq!(renderer.iterate(&cancelled).err(), Some(Cancelled));
-            film.add(renderer.iterate(&CancelToken::default()).unwrap());
+            assert!(matches!(
+                renderer.iterate_after(&film, &cancelled),
+                Err(Cancelled)
+            ));
+            let iteration = renderer.iterate_after(&film, &CancelToken::default());
+            iteration.unwrap().add_to(&mut film);
         }
         assert_same_bits(&whole, &film, &id);
+    }
+}
+
+/// A film that tiles go into as soon as they have been traced is the one that whole frames are added to.
+#[test]
+fn tiles_at_once_are_those_of_whole_frames() {
+    let scene = builtin("cornell-glass");
+    for (id, setup) in ways(&scene, 33, 20) {
+        let mut film = Film::new(33, 20, setup.settings.n_layers);
+        let mut renderer = Renderer::new(Arc::clone(&scene), setup.settings.clone(), pool(), 0);
+        for _ in 0..6 {
+            film.add(renderer.iterate(&CancelToken::default()).unwrap());
+        }
+        assert_same_bits(&setup.film(0, 6), &film, &id);
     }
 }
 

@@ -48,7 +48,7 @@ fn built_in_scenes_render_by_every_method() {
             assert!(film.total().iter().all(|c| c.is_radiance()), "{what}");
             // Methods that do not aim at lights may miss small ones.
             let aims = method.sight.punctual_lights && method.sight.delta_surfaces;
-            assert!(!aims || !is_black(film.total()), "{what}: black");
+            assert!(!aims || !is_black(&film.total()), "{what}: black");
         }
     }
 }

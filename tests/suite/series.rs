@@ -87,12 +87,10 @@ fn layers_add_up() {
         let scene = builtin(name);
         for &method in METHODS {
             let film = Setup::new(&scene, 24, 16).by(method).film(0, 6);
-            for pixel in 0..film.total().len() {
-                let sum = film
-                    .layers()
-                    .iter()
-                    .fold(Rgb::BLACK, |sum, layer| sum + layer[pixel]);
-                let total = film.total()[pixel];
+            for (pixel, total) in film.total().into_iter().enumerate() {
+                let sum = (0..=film.n_layers())
+                    .map(|layer| film.layer_at(layer, pixel))
+                    .fold(Rgb::BLACK, |sum, value| sum + value);
                 let apart = (sum - total).map(f32::abs).max_channel();
                 assert!(
                     apart <= 3e-6 * total.max_channel(),

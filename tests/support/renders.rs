@@ -121,8 +121,8 @@ impl Setup {
         let mut renderer = Renderer::new(Arc::clone(&self.scene), s.clone(), pool, first);
         let nobody = CancelToken::default();
         for _ in 0..n {
-            match renderer.iterate(&nobody) {
-                Ok(frame) => film.add(frame),
+            match renderer.iterate_after(&film, &nobody) {
+                Ok(iteration) => iteration.add_to(&mut film),
                 Err(error) => panic!("nobody cancelled: {error}"),
             }
         }
@@ -176,11 +176,14 @@ impl Block {
     /// Mean of a layer over the block, by channel.
     #[must_use]
     pub fn mean(&self, film: &Film, layer: usize) -> [f64; 3] {
-        let (plane, w) = (&film.layers()[layer], film.width());
+        let w = film.width();
         let mut sum = [0f64; 3];
         for y in self.y[0]..self.y[1] {
             for x in self.x[0]..self.x[1] {
-                for (s, c) in sum.iter_mut().zip(plane[y * w + x].to_array()) {
+                for (s, c) in sum
+                    .iter_mut()
+                    .zip(film.layer_at(layer, y * w + x).to_array())
+                {
                     *s += f64::from(c);
                 }
             }

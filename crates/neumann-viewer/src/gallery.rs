@@ -178,16 +178,17 @@ fn render_all(sender: &Sender<(usize, ColorImage)>, wake: &dyn Fn(), cancel: &Mu
         let mut renderer = Renderer::new(scene, settings, pool.clone(), 0);
         let mut film = Film::new(EDGE, EDGE, 1);
         for _ in 0..ITERATIONS {
-            match renderer.iterate(&token) {
-                Ok(frame) => film.add(frame),
+            match renderer.iterate_after(&film, &token) {
+                Ok(iteration) => iteration.add_to(&mut film),
                 Err(_) => return,
             }
         }
+        let total = film.total();
         let display = Display {
-            exposure_ev: auto_exposure(film.total()),
+            exposure_ev: auto_exposure(&total),
             tone: ToneCurve::Neutral,
         };
-        let pixels = film.total().iter().map(|p| {
+        let pixels = total.iter().map(|p| {
             let [r, g, b] = display.srgb8(*p);
             Color32::from_rgb(r, g, b)
         });

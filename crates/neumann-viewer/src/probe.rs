@@ -38,7 +38,9 @@ impl Reading {
             pixel: (x * divisor, y * divisor),
             radiance: film.radiance(view, index),
             relative_error: is_known.then(|| deviation / total),
-            bounces: film.layers().iter().map(|l| l[index].luminance()).collect(),
+            bounces: (0..=film.n_layers())
+                .map(|layer| film.layer_at(layer, index).luminance())
+                .collect(),
         }
     }
 

@@ -80,7 +80,7 @@ impl Picture<'_> {
                 let image = Image {
                     width: self.film.width(),
                     height: self.film.height(),
-                    pixels: self.film.total().to_vec(),
+                    pixels: self.film.total(),
                     ..Image::default()
                 };
                 write_png(path, &Pixels8::of(&image, &self.display))?;

@@ -148,13 +148,13 @@ impl Session {
                 break true;
             };
             let start = Instant::now();
-            let Ok(frame) = renderer.iterate(cancel) else {
+            let Ok(iteration) = renderer.iterate_after(&film, cancel) else {
                 break false;
             };
-            n_samples += frame.n_samples();
-            n_rays += frame.n_rays();
-            photons = frame.photons();
-            self.pool.run(|| film.add(frame));
+            n_samples += iteration.n_samples();
+            n_rays += iteration.n_rays();
+            photons = iteration.photons();
+            self.pool.run(|| iteration.add_to(&mut film));
             let seconds = start.elapsed().as_secs_f64();
             seconds_here += seconds;
             metadata.seconds += seconds;

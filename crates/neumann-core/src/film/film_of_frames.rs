@@ -1,11 +1,11 @@
 //! The mean of the frames, with the variance of L.
 
-use bytemuck::{cast_slice, cast_slice_mut, zeroed_vec};
+use bytemuck::zeroed_vec;
 use rayon::prelude::*;
 
-use super::frame::{LitLayers, TILE, TILE_PIXELS, TileBounds, TileGrid};
+use super::frame::{LitLayers, TILE, TILE_PIXELS, TileGrid};
+use super::tile::{FilmTile, NextFilm};
 use super::{Frame, View};
-use crate::math::prefetch;
 use crate::radiometry::Rgb;
 
 /// The mean of all iterations so far, layer by layer.
@@ -20,9 +20,9 @@ pub struct Film {
     height: usize,
     n_layers: usize,
     n_iterations: u32,
-    layers: Vec<Vec<Rgb>>,
-    total: Vec<Rgb>,
-    deviations: Vec<Rgb>,
+    /// The tiles row by row, each with its layers, tail last, then the total and the deviations, and each of these with its
+    /// pixels row by row; tiles that reach beyond the image are whole.
+    values: Vec<Rgb>,
     /// What of each tile is not all black.
     lit: Vec<LitLayers>,
     n_refused: u64,
@@ -40,17 +40,15 @@ impl Film {
     /// An empty film with `n_layers` bounce layers and a tail.
     #[must_use]
     pub fn new(width: usize, height: usize, n_layers: usize) -> Self {
-        // Memory that is never written where a layer is black.
-        let plane = || zeroed_vec(width * height);
+        let n_tiles = TileGrid::new(width, height).n_tiles();
         Self {
             width,
             height,
             n_layers,
             n_iterations: 0,
-            layers: (0..=n_layers).map(|_| plane()).collect(),
-            total: vec![Rgb::BLACK; width * height],
-            deviations: vec![Rgb::BLACK; width * height],
-            lit: vec![LitLayers::default(); TileGrid::new(width, height).n_tiles()],
+            // Memory that is never written where a layer is black.
+            values: zeroed_vec(n_tiles * (n_layers + 3) * TILE_PIXELS),
+            lit: vec![LitLayers::default(); n_tiles],
             n_refused: 0,
         }
     }
@@ -80,17 +78,19 @@ impl Film {
             ));
         }
         let scale = n_iterations as f32 * (n_iterations as f32 - 1.0).max(0.0);
-        Ok(Self {
-            width,
-            height,
-            n_layers: layers.len() - 1,
-            n_iterations,
-            layers,
-            total,
-            deviations: variance_of_mean.iter().map(|v| *v * scale).collect(),
-            lit: vec![LitLayers::ALL; TileGrid::new(width, height).n_tiles()],
-            n_refused,
-        })
+        let deviations: Vec<Rgb> = variance_of_mean.iter().map(|v| *v * scale).collect();
+        let mut film = Self::new(width, height, layers.len() - 1);
+        film.n_iterations = n_iterations;
+        film.n_refused = n_refused;
+        film.lit.fill(LitLayers::ALL);
+        let planes = layers.iter().chain([&total, &deviations]);
+        for (number, plane) in planes.enumerate() {
+            for (pixel, value) in plane.iter().enumerate() {
+                let index = film.index(number, pixel);
+                film.values[index] = *value;
+            }
+        }
+        Ok(film)
     }
 
     /// Pixels per row.
@@ -123,26 +123,45 @@ impl Film {
         self.n_refused
     }
 
-    /// Means: `layers()[k][y * width + x]`, row 0 on top; the last one is the tail.
+    /// Number of pixels.
     #[must_use]
-    pub fn layers(&self) -> &[Vec<Rgb>] {
-        &self.layers
+    pub fn n_pixels(&self) -> usize {
+        self.width * self.height
     }
 
-    /// Mean of L, `total()[y * width + x]`.
+    /// Copies of the means: `layers()[k][y * width + x]`, row 0 on top; the last one is the tail.
     #[must_use]
-    pub fn total(&self) -> &[Rgb] {
-        &self.total
+    pub fn layers(&self) -> Vec<Vec<Rgb>> {
+        (0..=self.n_layers)
+            .into_par_iter()
+            .map(|layer| self.plane(layer))
+            .collect()
+    }
+
+    /// The mean of one layer at a pixel, `y * width + x`; the tail is layer [`Self::n_layers`].
+    #[must_use]
+    pub fn layer_at(&self, layer: usize, pixel: usize) -> Rgb {
+        self.values[self.index(layer, pixel)]
+    }
+
+    /// A copy of the mean of L, `total()[y * width + x]`.
+    #[must_use]
+    pub fn total(&self) -> Vec<Rgb> {
+        self.plane(self.n_layers + 1)
     }
 
     /// Unbiased estimate of the variance of [`Self::total`] at a pixel; zero before the second iteration.
     #[must_use]
     pub fn variance_of_mean(&self, pixel: usize) -> Rgb {
+        self.variance_from(self.values[self.index(self.n_layers + 2, pixel)])
+    }
+
+    fn variance_from(&self, deviations: Rgb) -> Rgb {
         if self.n_iterations < 2 {
             return Rgb::BLACK;
         }
         let n = self.n_iterations as f32;
-        self.deviations[pixel] / (n * (n - 1.0))
+        deviations / (n * (n - 1.0))
     }
 
     /// Takes in one more iteration.
@@ -158,30 +177,53 @@ impl Film {
         self.n_iterations += 1;
         self.n_refused += frame.n_refused();
         let step = 1.0 / self.n_iterations as f32;
-        // By rows of tiles.
-        let n = self.width * TILE;
-        let mut bands: Vec<Band<'_>> = self
-            .total
-            .chunks_mut(n)
-            .zip(self.deviations.chunks_mut(n))
-            .zip(self.lit.chunks_mut(frame.grid().n_columns()))
-            .map(|((total, deviations), lit)| Band {
-                total,
-                deviations,
-                lit,
-                layers: Vec::with_capacity(self.n_layers + 1),
-            })
-            .collect();
-        for layer in &mut self.layers {
-            for (chunk, band) in layer.chunks_mut(n).zip(&mut bands) {
-                band.layers.push(chunk);
-            }
-        }
-        let width = self.width;
-        bands
-            .par_iter_mut()
+        let per_tile = self.values_per_tile();
+        self.values
+            .par_chunks_exact_mut(per_tile)
+            .zip(&mut self.lit)
             .enumerate()
-            .for_each(|(row, band)| band.add(frame, row, width, step));
+            .with_min_len(TILES_PER_TASK)
+            .for_each(|(number, (after, lit))| {
+                let tile = FilmTile {
+                    before: None,
+                    lit_before: *lit,
+                    after,
+                    lit,
+                    step,
+                };
+                tile.take(frame.tile(number), frame.lit(number));
+            });
+    }
+
+    /// A film of the same shape without an iteration.
+    pub(crate) fn black(&self) -> Self {
+        Self::new(self.width, self.height, self.n_layers)
+    }
+
+    /// Becomes `before` with one more iteration, which `run` hands over, each tile once, and then says how much it refused; of what the film
+    /// was itself nothing stays.
+    ///
+    /// # Errors
+    /// Those of `run`; the film is worth nothing then but to be written again.
+    ///
+    /// # Panics
+    /// If the shapes differ.
+    pub(crate) fn follow<E>(
+        &mut self,
+        before: &Self,
+        run: impl FnOnce(NextFilm<'_>) -> Result<u64, E>,
+    ) -> Result<(), E> {
+        assert_eq!(self.shape(), before.shape(), "films differ in shape");
+        self.n_iterations = before.n_iterations + 1;
+        let next = NextFilm {
+            before,
+            values: &mut self.values,
+            lit: &mut self.lit,
+            next: 0,
+            step: 1.0 / self.n_iterations as f32,
+        };
+        self.n_refused = before.n_refused + run(next)?;
+        Ok(())
     }
 
     /// Takes in the iterations of another film of the same shape.
@@ -202,15 +244,19 @@ impl Film {
         let share = f64::from(other.n_iterations) / f64::from(n);
         let mix = |a: f32, b: f32| (f64::from(a) + (f64::from(b) - f64::from(a)) * share) as f32;
         let mix_rgb = |a: Rgb, b: Rgb| Rgb::new(mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b));
-        for i in 0..self.total.len() {
-            let apart = other.total[i] - self.total[i];
-            self.deviations[i] = self.deviations[i]
-                + other.deviations[i]
-                + apart * apart * (self.n_iterations as f32 * share as f32);
-            self.total[i] = mix_rgb(self.total[i], other.total[i]);
-        }
-        for (mine, theirs) in self.layers.iter_mut().zip(&other.layers) {
-            for (a, b) in mine.iter_mut().zip(theirs) {
+        let per_tile = self.values_per_tile();
+        let others = other.values.chunks_exact(per_tile);
+        for (mine, theirs) in self.values.chunks_exact_mut(per_tile).zip(others) {
+            let (means, deviations) = mine.split_at_mut(per_tile - TILE_PIXELS);
+            let (other_means, other_deviations) = theirs.split_at(per_tile - TILE_PIXELS);
+            let [total, other_total] = [&*means, other_means].map(|m| &m[m.len() - TILE_PIXELS..]);
+            for (i, deviations) in deviations.iter_mut().enumerate() {
+                let apart = other_total[i] - total[i];
+                *deviations = *deviations
+                    + other_deviations[i]
+                    + apart * apart * (self.n_iterations as f32 * share as f32);
+            }
+            for (a, b) in means.iter_mut().zip(other_means) {
                 *a = mix_rgb(*a, *b);
             }
         }
@@ -226,33 +272,38 @@ impl Film {
     #[must_use]
     pub fn radiance(&self, view: View, pixel: usize) -> Rgb {
         match view {
-            View::Total => self.total[pixel],
+            View::Total => self.values[self.index(self.n_layers + 1, pixel)],
             _ => view
                 .layers(self.n_layers)
                 .into_iter()
                 .flatten()
-                .map(|k| self.layers[k][pixel])
+                .map(|k| self.layer_at(k, pixel))
                 .fold(Rgb::BLACK, |sum, value| sum + value),
         }
     }
 
-    /// Writes a whole view into `out[y * width + x]`, reading as few planes as it needs.
+    /// Writes a whole view into `out[y * width + x]`.
     ///
     /// # Panics
     /// If `out` has another size than the film.
     pub fn compose(&self, view: View, out: &mut [Rgb]) {
-        assert_eq!(out.len(), self.total.len(), "as many pixels as the film");
-        let Some(range) = view.layers(self.n_layers) else {
-            out.fill(Rgb::BLACK);
-            return;
+        assert_eq!(out.len(), self.n_pixels(), "as many pixels as the film");
+        let planes = match view {
+            View::Total => self.n_layers + 1..self.n_layers + 2,
+            _ => view.layers(self.n_layers).unwrap_or(0..0),
         };
-        if view == View::Total {
-            out.copy_from_slice(&self.total);
-            return;
+        for (y, out) in out.chunks_exact_mut(self.width.max(1)).enumerate() {
+            out.fill(Rgb::BLACK);
+            for plane in planes.clone() {
+                self.add_row(plane, y, out);
+            }
         }
-        out.copy_from_slice(&self.layers[range.start]);
-        for layer in &self.layers[range.start + 1..range.end] {
-            for (sum, value) in out.iter_mut().zip(layer) {
+    }
+
+    /// Adds a row of a layer to `out[x]`; the tail is layer [`Self::n_layers`].
+    pub(crate) fn add_row(&self, layer: usize, y: usize, out: &mut [Rgb]) {
+        for (out, values) in out.chunks_mut(TILE).zip(self.row(layer, y)) {
+            for (sum, value) in out.iter_mut().zip(values) {
                 *sum += *value;
             }
         }
@@ -261,9 +312,19 @@ impl Film {
     /// Mean over all pixels of each layer, tail last.
     #[must_use]
     pub fn layer_means(&self) -> Vec<[f64; 3]> {
-        self.layers
-            .par_iter()
-            .map(|layer| mean_of(layer.iter().copied()))
+        (0..=self.n_layers)
+            .into_par_iter()
+            .map(|layer| {
+                let rows = (0..self.height).flat_map(|y| self.row(layer, y));
+                let sum = rows.flatten().fold([0f64; 3], |s, c| {
+                    [
+                        s[0] + f64::from(c.r),
+                        s[1] + f64::from(c.g),
+                        s[2] + f64::from(c.b),
+                    ]
+                });
+                sum.map(|s| s / self.n_pixels().max(1) as f64)
+            })
             .collect()
     }
 
@@ -290,25 +351,74 @@ impl Film {
         if self.n_iterations < 2 {
             return f64::INFINITY;
         }
-        let n = self.total.len().max(1) as f64;
-        let (variance, mean) = (0..self.total.len())
-            .into_par_iter()
-            .with_min_len(BAND)
-            .fold(
-                || (0f64, 0f64),
-                |(variance, mean), i| {
-                    let v = self.variance_of_mean(i);
-                    (
-                        variance + f64::from(v.mean()),
-                        mean + f64::from(self.total[i].mean()),
-                    )
-                },
-            )
+        let n = self.n_pixels().max(1) as f64;
+        let per_tile = self.values_per_tile();
+        // What of a tile is beyond the image is black.
+        let (variance, mean) = self
+            .values
+            .par_chunks_exact(per_tile)
+            .with_min_len(TILES_PER_TASK)
+            .map(|tile| {
+                let (means, deviations) = tile.split_at(per_tile - TILE_PIXELS);
+                let total = &means[means.len() - TILE_PIXELS..];
+                let variance = |d: &Rgb| f64::from(self.variance_from(*d).mean());
+                (
+                    deviations.iter().map(variance).sum::<f64>(),
+                    total.iter().map(|m| f64::from(m.mean())).sum::<f64>(),
+                )
+            })
             .reduce(|| (0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
         if mean <= 0.0 {
             return 0.0;
         }
         (variance / n).sqrt() / (mean / n)
+    }
+
+    /// Values of a tile, all layers together with the total and the deviations.
+    pub(super) fn values_per_tile(&self) -> usize {
+        (self.n_layers + 3) * TILE_PIXELS
+    }
+
+    /// A tile: its layers, tail last, its total and its deviations.
+    pub(super) fn tile(&self, tile: usize) -> &[Rgb] {
+        let n = self.values_per_tile();
+        &self.values[tile * n..(tile + 1) * n]
+    }
+
+    /// What of a tile is not black.
+    pub(super) fn lit(&self, tile: usize) -> LitLayers {
+        self.lit[tile]
+    }
+
+    /// Where the value of a layer, the total or the deviations is at a pixel.
+    fn index(&self, plane: usize, pixel: usize) -> usize {
+        assert!(pixel < self.n_pixels(), "a pixel of the film");
+        let slot = self
+            .grid()
+            .slot(plane, pixel % self.width, pixel / self.width);
+        slot.tile as usize * self.values_per_tile() + slot.in_tile as usize
+    }
+
+    fn grid(&self) -> TileGrid {
+        TileGrid::new(self.width, self.height)
+    }
+
+    /// A row of a layer, the total or the deviations, tile by tile.
+    fn row(&self, plane: usize, y: usize) -> impl Iterator<Item = &[Rgb]> {
+        (0..self.width).step_by(TILE).map(move |x| {
+            let start = self.index(plane, y * self.width + x);
+            &self.values[start..start + TILE.min(self.width - x)]
+        })
+    }
+
+    fn plane(&self, plane: usize) -> Vec<Rgb> {
+        let mut values = Vec::with_capacity(self.n_pixels());
+        for y in 0..self.height {
+            for part in self.row(plane, y) {
+                values.extend_from_slice(part);
+            }
+        }
+        values
     }
 
     fn shape(&self) -> (usize, usize, usize) {
@@ -323,95 +433,13 @@ impl Film {
     }
 }
 
-/// Pixels that one task looks at, at least.
-const BAND: usize = 4096;
-
-/// The pixels of a row of tiles.
-struct Band<'a> {
-    total: &'a mut [Rgb],
-    deviations: &'a mut [Rgb],
-    lit: &'a mut [LitLayers],
-    layers: Vec<&'a mut [Rgb]>,
-}
-
-impl Band<'_> {
-    fn add(&mut self, frame: &Frame, row: usize, width: usize, step: f32) {
-        let grid = frame.grid();
-        for column in 0..grid.n_columns() {
-            let tile = row * grid.n_columns() + column;
-            let TileBounds { start, end } = grid.bounds(tile);
-            // A row of the tile, in the film's planes and in the tile's, channel by channel.
-            let rows = (0..end[1] - start[1]).map(|y| {
-                let from = y * width;
-                let in_film = N_CHANNELS * (from + start[0])..N_CHANNELS * (from + end[0]);
-                let in_tile = N_CHANNELS * y * TILE;
-                (in_film.clone(), in_tile..in_tile + in_film.len())
-            });
-            let mut sum = [0f32; N_CHANNELS * TILE_PIXELS];
-            let layers = frame.layers_of_tile(tile);
-            let was_lit = self.lit[column];
-            let lit = was_lit.union(frame.lit(tile));
-            self.lit[column] = lit;
-            for (layer, (mean, values)) in self.layers.iter_mut().zip(layers).enumerate() {
-                if !lit.contains(layer) {
-                    continue;
-                }
-                let (mean, values) = (cast_slice_mut(mean), cast_slice(values));
-                for (in_film, in_tile) in rows.clone() {
-                    let values: &[f32] = &values[in_tile.clone()];
-                    // What the next tile will want of this row: too short a stretch for the processor to see it coming.
-                    for line in (in_film.end..in_film.end + in_film.len()).step_by(FLOATS_PER_LINE)
-                    {
-                        if let Some(value) = mean.get(line) {
-                            prefetch(value);
-                        }
-                    }
-                    let mean: &mut [f32] = &mut mean[in_film];
-                    if !was_lit.contains(layer) {
-                        // Written before it is read, or the system would hand out the page twice.
-                        mean.fill(0.0);
-                    }
-                    for ((m, x), s) in mean.iter_mut().zip(values).zip(&mut sum[in_tile]) {
-                        *s += *x;
-                        *m += (*x - *m) * step;
-                    }
-                }
-            }
-            let (total, deviations) = (cast_slice_mut(self.total), cast_slice_mut(self.deviations));
-            for (in_film, in_tile) in rows {
-                let total: &mut [f32] = &mut total[in_film.clone()];
-                let deviations: &mut [f32] = &mut deviations[in_film];
-                let pairs = total.iter_mut().zip(deviations);
-                for ((m, d), x) in pairs.zip(&sum[in_tile]) {
-                    let before = *x - *m;
-                    *m += before * step;
-                    *d += before * (*x - *m);
-                }
-            }
-        }
-    }
-}
-
-/// Channels of a colour.
-const N_CHANNELS: usize = 3;
-/// In a line of cache.
-const FLOATS_PER_LINE: usize = 16;
-
-fn mean_of(values: impl ExactSizeIterator<Item = Rgb>) -> [f64; 3] {
-    let n = values.len().max(1) as f64;
-    let sum = values.fold([0f64; 3], |s, c| {
-        [
-            s[0] + f64::from(c.r),
-            s[1] + f64::from(c.g),
-            s[2] + f64::from(c.b),
-        ]
-    });
-    sum.map(|s| s / n)
-}
+/// Tiles that one task takes in, at least.
+const TILES_PER_TASK: usize = 16;
 
 #[cfg(test)]
 mod tests {
-    use super::{Film, Frame, TILE_PIXELS, View};
+    use super::{Film, Frame, NextFilm, TILE_PIXELS, View};
+    use crate::film::add_to_tile;
     use crate::radiometry::Rgb;
 
     fn frame_of(value: f32) -> Frame {
@@ -448,6 +476,70 @@ mod tests {
         assert!((first.total()[0].r - whole.total()[0].r).abs() < 1e-6);
         let (a, b) = (first.variance_of_mean(0).r, whole.variance_of_mean(0).r);
         assert!((a - b).abs() < 1e-5, "{a} {b}");
+    }
+
+    /// A frame with something in some layers of some tiles.
+    fn sparse_frame(seed: usize) -> Frame {
+        let mut frame = Frame::new(40, 20, 3);
+        let per_tile = frame.values_per_tile();
+        let (values, lit) = frame.tiles();
+        for (tile, (values, lit)) in values.chunks_exact_mut(per_tile).zip(lit).enumerate() {
+            // What is not lit means nothing.
+            values.fill(Rgb::splat(7.0));
+            for layer in (0..4).filter(|layer| (tile + layer * seed).is_multiple_of(3)) {
+                // The first pixel of each tile is in the image.
+                let value = Rgb::splat(1.0 + (seed * tile + layer) as f32 * 0.3);
+                add_to_tile(values, lit, layer * TILE_PIXELS, value);
+            }
+        }
+        frame
+    }
+
+    fn hand_over(mut next: NextFilm<'_>, frame: &Frame, n_tiles: usize) {
+        for (number, tile) in next.tiles(0..n_tiles).enumerate() {
+            tile.take(frame.tile(number), frame.lit(number));
+        }
+    }
+
+    #[test]
+    fn a_film_that_follows_another_is_that_with_one_more_frame() {
+        let n_tiles = 6;
+        let mut added = Film::new(40, 20, 3);
+        let (mut film, mut spare) = (added.black(), added.black());
+        for seed in [1, 2, 0, 5, 4, 1] {
+            // First it is cut short, and leaves something where there should be nothing.
+            let outcome = spare.follow(&film, |next| {
+                hand_over(next, &sparse_frame(0), n_tiles / 2);
+                Err("cut short")
+            });
+            assert_eq!(outcome, Err("cut short"));
+            let frame = sparse_frame(seed);
+            let outcome = spare.follow(&film, |next| {
+                hand_over(next, &frame, n_tiles);
+                Ok::<_, ()>(0)
+            });
+            assert_eq!(outcome, Ok(()));
+            std::mem::swap(&mut film, &mut spare);
+            added.add(&frame);
+            assert_eq!(film.n_iterations(), added.n_iterations());
+            assert_eq!(film.layers(), added.layers(), "{seed}");
+            assert_eq!(film.total(), added.total(), "{seed}");
+            for pixel in 0..film.n_pixels() {
+                assert_eq!(film.variance_of_mean(pixel), added.variance_of_mean(pixel));
+            }
+        }
+        assert!(film.total()[0].g > 0.0 && film.total()[1].g == 0.0);
+    }
+
+    #[test]
+    #[should_panic(expected = "each tile once")]
+    fn no_tile_is_handed_out_twice() {
+        let (film, mut spare) = (Film::new(40, 20, 3), Film::new(40, 20, 3));
+        let _ = spare.follow(&film, |mut next| {
+            drop(next.tiles(0..4));
+            drop(next.tiles(3..6));
+            Ok::<_, ()>(0)
+        });
     }
 
     #[test]

@@ -62,6 +62,12 @@ impl LitLayers {
         self.0 & Self::bit(layer) != 0
     }
 
+    /// True if there is none.
+    #[inline]
+    pub(crate) fn is_black(self) -> bool {
+        self.0 == 0
+    }
+
     #[inline]
     pub(crate) fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
@@ -137,11 +143,6 @@ impl TileGrid {
             height,
             n_columns: width.div_ceil(TILE),
         }
-    }
-
-    /// Tiles from left to right.
-    pub(crate) fn n_columns(&self) -> usize {
-        self.n_columns
     }
 
     /// Number of tiles.
@@ -264,10 +265,15 @@ impl Frame {
         self.lit[tile]
     }
 
-    /// Values of one tile, layer by layer.
-    pub(crate) fn layers_of_tile(&self, tile: usize) -> impl Iterator<Item = &[Rgb]> {
+    /// Values of one tile, layer by layer; those of a layer that is not lit mean nothing.
+    pub(super) fn tile(&self, tile: usize) -> &[Rgb] {
         let n = self.values_per_tile();
-        let layers = self.values[tile * n..(tile + 1) * n].chunks_exact(TILE_PIXELS);
+        &self.values[tile * n..(tile + 1) * n]
+    }
+
+    /// The same, black where nothing is lit.
+    pub(crate) fn layers_of_tile(&self, tile: usize) -> impl Iterator<Item = &[Rgb]> {
+        let layers = self.tile(tile).chunks_exact(TILE_PIXELS);
         layers.enumerate().map(move |(layer, values)| {
             if self.lit[tile].contains(layer) {
                 values

@@ -11,6 +11,7 @@ pub mod features;
 mod film_of_frames;
 mod frame;
 pub mod techniques;
+mod tile;
 pub mod view;
 
 pub use contribution::{Contribution, Joint, Strategy};
@@ -19,6 +20,7 @@ pub use film_of_frames::{Film, FilmError};
 pub use frame::{Frame, PhotonReport};
 pub(crate) use frame::{LitLayers, Slot, TILE, TILE_PIXELS, TileBounds, TileGrid, add_to_tile};
 pub use techniques::{TechniqueFilm, TechniqueImage};
+pub(crate) use tile::{FilmTile, NextFilm};
 pub use view::View;
 
 /// Number of bounce layers (the tail not counted) where nothing else is asked for.

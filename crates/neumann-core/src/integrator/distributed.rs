@@ -113,6 +113,10 @@ impl Integrator for Distributed {
             }
         })
     }
+
+    fn traces_only_pixels(&self) -> bool {
+        true
+    }
 }
 
 impl Distributed {

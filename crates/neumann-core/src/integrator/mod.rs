@@ -28,6 +28,12 @@ pub trait Integrator: Send {
     /// # Errors
     /// [`Cancelled`] when the pass was told to stop.
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled>;
+
+    /// True if the next iteration is one call that traces the pixels, whose paths add to no other pixel than their own: what a tile comes to
+    /// is known then as soon as it has been traced, and goes into the film while it is at hand. The pass leaves the frame black.
+    fn traces_only_pixels(&self) -> bool {
+        false
+    }
 }
 
 /// One row of the registry: everything that menus, command line, README and tests need to know.

@@ -73,4 +73,8 @@ impl Integrator for Shade {
             }
         })
     }
+
+    fn traces_only_pixels(&self) -> bool {
+        true
+    }
 }

@@ -22,7 +22,7 @@ pub use pass::Pass;
 pub use pixels::{PixelPath, PixelSample, Pixels, Splits};
 pub use pool::WorkerPool;
 pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule, Thumbnail};
-pub use renderer::Renderer;
+pub use renderer::{Iteration, Renderer};
 pub use sample_counts::SampleCounts;
 pub use settings::RenderSettings;
 pub use sink::{PixelPlace, Sink};

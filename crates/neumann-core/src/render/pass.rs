@@ -5,6 +5,7 @@
 //! of their paths and added in that order at the end. Random numbers are keyed by (seed, iteration, path), so the result
 //! does not depend on which worker traced what.
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use glam::Vec2;
@@ -17,7 +18,9 @@ use super::sink::{PixelPlace, Sink, SinkShape, Yield, add_splats};
 use super::{CancelToken, Cancelled, RenderSettings, SampleCounts};
 use crate::endpoint::Camera;
 use crate::film::techniques::TechniqueFilm;
-use crate::film::{Contribution, Frame, LitLayers, PhotonReport, Strategy, TileBounds};
+use crate::film::{
+    Contribution, FilmTile, Frame, LitLayers, NextFilm, PhotonReport, Strategy, TileBounds,
+};
 use crate::radiometry::Rgb;
 use crate::sampling::{Sampler, TileNumbers};
 use crate::scene::Scene;
@@ -34,6 +37,8 @@ const RECORDING_ROUND: usize = 256;
 /// What an integrator works with during one iteration.
 pub struct Pass<'a> {
     frame: &'a mut Frame,
+    /// Takes in each tile as soon as it has been traced; the frame stays black then.
+    film: Option<NextFilm<'a>>,
     camera: &'a Camera,
     coverage: &'a Coverage,
     max_bounces: u32,
@@ -45,9 +50,20 @@ pub struct Pass<'a> {
     n_splits: u8,
 }
 
+thread_local! {
+    /// Room for the tile that the thread is tracing.
+    static VALUES_OF_TILE: Cell<Vec<Rgb>> = const { Cell::new(Vec::new()) };
+}
+
+/// Where the values of a tile go.
+enum Target<'t> {
+    Frame(&'t mut [Rgb], &'t mut LitLayers),
+    Film(FilmTile<'t>),
+}
+
 impl<'a> Pass<'a> {
     pub(super) fn new(
-        frame: &'a mut Frame,
+        (frame, film): (&'a mut Frame, Option<NextFilm<'a>>),
         camera: &'a Camera,
         coverage: &'a Coverage,
         settings: &RenderSettings,
@@ -57,6 +73,7 @@ impl<'a> Pass<'a> {
     ) -> Self {
         Self {
             frame,
+            film,
             camera,
             coverage,
             max_bounces: settings.max_bounces,
@@ -67,6 +84,11 @@ impl<'a> Pass<'a> {
             samples: SampleCounts::Even(1),
             n_splits: 1,
         }
+    }
+
+    /// True if no tile of the film is missing.
+    pub(super) fn is_whole(&self) -> bool {
+        self.film.as_ref().is_none_or(NextFilm::is_whole)
     }
 
     /// The camera.
@@ -272,39 +294,60 @@ impl<'a> Pass<'a> {
         self.frame.n_samples = samples.total(grid);
         let (cancel, coverage) = (self.cancel, self.coverage);
         let shape = self.sink_shape();
+        let trace = |room: &mut R, number: usize, mut sink: Sink<'_>| {
+            let mut tracer = Tracer::new(scene);
+            let bounds = grid.bounds(number);
+            if let Some(radiance) = background
+                && !coverage.is_covered(number)
+            {
+                fill(bounds, radiance, &mut sink);
+                return sink.into_yield(0);
+            }
+            let n_samples = samples.of_tile(number);
+            sink.share_among(n_samples);
+            let numbers: Vec<TileNumbers> = (0..n_samples)
+                .flat_map(|sample| samples.numbers((number, bounds), keys, sample, n_splits))
+                .collect();
+            let numbers = (numbers.as_slice(), usize::from(n_splits));
+            let pixels = Pixels::new(numbers, bounds, width, cancel);
+            paths(room, pixels, &mut tracer, &mut sink);
+            sink.into_yield(tracer.n_rays())
+        };
         let rounds = self.rounds(grid.n_tiles());
         for round in &rounds {
             let (values, lit) = self.frame.tiles();
-            let yields: Vec<Yield> = values[round.start * per_tile..round.end * per_tile]
-                .par_chunks_mut(per_tile)
-                .zip(&mut lit[round.clone()])
+            let tiles = values[round.start * per_tile..round.end * per_tile]
+                .chunks_exact_mut(per_tile)
+                .zip(&mut lit[round.clone()]);
+            let targets: Vec<Target<'_>> = match &mut self.film {
+                Some(film) => film.tiles(round.clone()).map(Target::Film).collect(),
+                None => tiles.map(|(tile, lit)| Target::Frame(tile, lit)).collect(),
+            };
+            let yields: Vec<Yield> = targets
+                .into_par_iter()
                 .enumerate()
                 .with_max_len(1)
-                .map_init(&room, |room, (i, (tile, lit))| {
+                .map_init(&room, |room, (i, target)| {
                     if cancel.is_cancelled() {
                         return Yield::default();
                     }
-                    let mut tracer = Tracer::new(scene);
-                    let mut sink = Sink::new(tile, lit, shape);
                     let number = round.start + i;
-                    let bounds = grid.bounds(number);
-                    if let Some(radiance) = background
-                        && !coverage.is_covered(number)
-                    {
-                        fill(bounds, radiance, &mut sink);
-                        return sink.into_yield(0);
+                    match target {
+                        Target::Frame(tile, lit) => {
+                            trace(room, number, Sink::new(tile, lit, shape))
+                        }
+                        Target::Film(tile) => {
+                            // In memory that stays in the cache.
+                            let mut values = VALUES_OF_TILE.take();
+                            values.resize(per_tile, Rgb::BLACK);
+                            let mut lit = LitLayers::default();
+                            let sink = Sink::new(&mut values, &mut lit, shape);
+                            let part = trace(room, number, sink);
+                            tile.take(&values, lit);
+                            VALUES_OF_TILE.set(values);
+                            part
+                        }
                     }
-                    let n_samples = samples.of_tile(number);
-                    sink.share_among(n_samples);
-                    let numbers: Vec<TileNumbers> = (0..n_samples)
-                        .flat_map(|sample| {
-                            samples.numbers((number, bounds), keys, sample, n_splits)
-                        })
-                        .collect();
-                    let numbers = (numbers.as_slice(), usize::from(n_splits));
-                    let pixels = Pixels::new(numbers, bounds, width, cancel);
-                    paths(room, pixels, &mut tracer, &mut sink);
-                    sink.into_yield(tracer.n_rays())
                 })
                 .collect();
             for (n_rays, part) in self.frame.n_rays_of_tiles[round.clone()]
@@ -467,6 +510,10 @@ impl<'a> Pass<'a> {
         if self.cancel.is_cancelled() {
             return Err(Cancelled);
         }
+        assert!(
+            self.film.is_none() || yields.iter().all(Yield::has_no_splats),
+            "who says that it adds to pixels of its paths alone must not splat"
+        );
         add_splats(self.frame, yields);
         for part in yields {
             if let Some(techniques) = &mut self.techniques {

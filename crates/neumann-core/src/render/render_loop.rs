@@ -3,8 +3,8 @@
 //! A job climbs a ladder of resolutions (1/8, 1/4, 1/2, 1), each rung a whole
 //! iteration of a smaller film, so that something is on screen at once; at
 //! full resolution iterations add up. After each iteration the film is
-//! published: whoever draws reads it under a lock that the loop holds only while
-//! it takes in a frame, never while it traces.
+//! published: whoever draws reads it under a lock that the loop holds for itself only while
+//! it puts a film in place of another, or takes in a frame, never while it traces.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard};
@@ -230,10 +230,7 @@ impl RenderLoop {
 
     /// The latest state of the picture; hold the guard briefly.
     pub fn published(&self) -> RwLockReadGuard<'_, Published> {
-        self.shared
-            .published
-            .read()
-            .unwrap_or_else(PoisonError::into_inner)
+        self.shared.published()
     }
 }
 
@@ -255,6 +252,12 @@ impl Drop for RenderLoop {
 impl Shared {
     fn control(&self) -> MutexGuard<'_, Control> {
         self.control.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn published(&self) -> RwLockReadGuard<'_, Published> {
+        self.published
+            .read()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 
     fn publish(&self, change: impl FnOnce(&mut Published)) {
@@ -347,12 +350,19 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let (generation, divisor) = (climb.generation, climb.divisor);
         let is_first = climb.n_iterations == 0;
         let renderer = climb.renderer(&task.job, pool);
-        let n_pixels = renderer.settings().width * renderer.settings().height;
+        let (width, height) = (renderer.settings().width, renderer.settings().height);
+        let n_pixels = width * height;
         let records = task.is_recording && divisor == 1;
         if records != renderer.techniques().is_some() {
             renderer.record_techniques(records.then(|| technique_divisor(renderer.settings())));
         }
-        let Ok(frame) = renderer.iterate(&task.cancel) else {
+        let fresh = is_first.then(|| Film::new(width, height, renderer.settings().n_layers));
+        let iteration = {
+            let published = shared.published();
+            let film = fresh.as_ref().unwrap_or(&published.film);
+            renderer.iterate_after(film, &task.cancel)
+        };
+        let Ok(iteration) = iteration else {
             climb.seconds += start.elapsed().as_secs_f64();
             continue;
         };
@@ -361,9 +371,8 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             method: task.job.settings.method,
             seconds_per_pixel: seconds / n_pixels as f64,
         });
-        let (n_rays, photons) = (frame.n_rays(), frame.photons());
-        let samples_per_second = frame.n_samples() as f64 / seconds;
-        let fresh = is_first.then(|| Film::new(frame.width(), frame.height(), frame.n_layers()));
+        let (n_rays, photons) = (iteration.n_rays(), iteration.photons());
+        let samples_per_second = iteration.n_samples() as f64 / seconds;
         pool.run(|| {
             shared.publish(|published| {
                 if let Some(film) = fresh {
@@ -372,7 +381,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
                     published.stats.is_done = false;
                     published.stats.n_iterations = 1;
                 }
-                published.film.add(frame);
+                iteration.add_to(&mut published.film);
                 published.generation = generation;
                 published.divisor = divisor;
             });
@@ -382,10 +391,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let is_done = divisor == 1 && climb.is_done(task.job.stop);
         let is_due = summarised.is_none_or(|t| t.elapsed() >= SUMMARY_PERIOD) || is_done;
         let summary = is_due.then(|| {
-            let published = shared
-                .published
-                .read()
-                .unwrap_or_else(PoisonError::into_inner);
+            let published = shared.published();
             let techniques = climb.renderer.as_ref().and_then(Renderer::techniques);
             pool.run(|| Summary::of(&published.film, techniques))
         });
@@ -481,10 +487,8 @@ struct Summary {
 impl Summary {
     fn of(film: &Film, techniques: Option<&TechniqueFilm>) -> Self {
         Self {
-            thumbnails: film
-                .layers()
-                .iter()
-                .map(|layer| Thumbnail::of(layer, film.width(), film.height()))
+            thumbnails: (0..=film.n_layers())
+                .map(|layer| Thumbnail::of(film, layer))
                 .collect(),
             energy_shares: film.energy_shares(),
             estimated_error: film.estimated_error(),
@@ -512,24 +516,30 @@ impl Published {
 }
 
 impl Thumbnail {
-    /// Averages boxes of pixels down to at most [`THUMBNAIL_EDGE`] on the longer edge.
-    fn of(layer: &[Rgb], width: usize, height: usize) -> Self {
+    /// Averages boxes of pixels of a layer down to at most [`THUMBNAIL_EDGE`] on the longer edge.
+    fn of(film: &Film, layer: usize) -> Self {
+        let (width, height) = (film.width(), film.height());
         let longer = width.max(height).max(1);
         let edge = longer.min(THUMBNAIL_EDGE);
         let scaled = |n: usize| (n * edge / longer).max(1);
         let (w, h) = (scaled(width), scaled(height));
+        let range = |i: usize, n: usize, n_scaled: usize| {
+            i * n / n_scaled..((i + 1) * n / n_scaled).max(i * n / n_scaled + 1)
+        };
         let mut pixels = Vec::with_capacity(w * h);
+        let mut sum = vec![Rgb::BLACK; width];
         for y in 0..h {
-            let rows = y * height / h..((y + 1) * height / h).max(y * height / h + 1);
+            let rows = range(y, height, h);
+            sum.fill(Rgb::BLACK);
+            for row in rows.clone() {
+                film.add_row(layer, row, &mut sum);
+            }
             for x in 0..w {
-                let columns = x * width / w..((x + 1) * width / w).max(x * width / w + 1);
+                let columns = range(x, width, w);
                 let n = (rows.len() * columns.len()) as f32;
-                let mut sum = Rgb::BLACK;
-                for row in rows.clone() {
-                    for value in &layer[row * width + columns.start..row * width + columns.end] {
-                        sum += *value;
-                    }
-                }
+                let sum = sum[columns]
+                    .iter()
+                    .fold(Rgb::BLACK, |sum, value| sum + *value);
                 pixels.push(sum / n);
             }
         }

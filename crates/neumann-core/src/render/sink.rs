@@ -255,9 +255,16 @@ impl SortedSplats {
     }
 }
 
+impl Yield {
+    /// True if all was added to pixels of its own paths.
+    pub(super) fn has_no_splats(&self) -> bool {
+        self.splats.splats.is_empty()
+    }
+}
+
 /// Adds the splats of tasks to a frame.
 pub(super) fn add_splats(frame: &mut Frame, yields: &[Yield]) {
-    if yields.iter().all(|part| part.splats.splats.is_empty()) {
+    if yields.iter().all(Yield::has_no_splats) {
         return;
     }
     let (shift, per_tile) = (band_shift(frame.grid()), frame.values_per_tile());

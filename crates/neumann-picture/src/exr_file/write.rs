@@ -51,7 +51,7 @@ pub fn write_exr_as(
     precision: Precision,
 ) -> Result<(), PictureError> {
     let mut planes = Planes::new(precision);
-    planes.rgb("", film.total());
+    planes.rgb("", &film.total());
     for (k, layer) in film.layers().iter().enumerate() {
         let name = if k == film.n_layers() {
             "tail".to_owned()
@@ -60,7 +60,7 @@ pub fn write_exr_as(
         };
         planes.rgb(&name, layer);
     }
-    let variance: Vec<Rgb> = (0..film.total().len())
+    let variance: Vec<Rgb> = (0..film.n_pixels())
         .map(|pixel| film.variance_of_mean(pixel))
         .collect();
     planes.rgb("variance", &variance);

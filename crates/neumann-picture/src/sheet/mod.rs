@@ -221,7 +221,7 @@ impl Page<'_> {
             let baseline = (self.layout.y(row) - 2 * UNIT) as f32;
             self.write(title, MARGIN as f32, baseline, Align::Left, &SUBTITLE);
         }
-        let mut pixels = vec![Rgb::BLACK; film.total().len()];
+        let mut pixels = vec![Rgb::BLACK; film.n_pixels()];
         for (index, column) in columns.iter().enumerate() {
             let entries = [
                 (column.term, column.share),

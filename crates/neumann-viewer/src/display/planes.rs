@@ -62,22 +62,9 @@ impl Planes {
     pub fn put_view(&mut self, slot: Slot, film: &Film, view: View, mean: f32) {
         let (width, height) = (film.width(), film.height());
         let plane = &mut self.planes[slot as usize];
-        let single = match view {
-            View::Total => Some(film.total()),
-            _ => match view.layers(film.n_layers()) {
-                Some(range) if range.len() == 1 => {
-                    film.layers().get(range.start).map(Vec::as_slice)
-                }
-                _ => None,
-            },
-        };
-        if let Some(pixels) = single {
-            plane.fill(width, height, pixels, mean);
-        } else {
-            self.sum.resize(width * height, Rgb::BLACK);
-            film.compose(view, &mut self.sum);
-            plane.fill(width, height, &self.sum, mean);
-        }
+        self.sum.resize(width * height, Rgb::BLACK);
+        film.compose(view, &mut self.sum);
+        plane.fill(width, height, &self.sum, mean);
     }
 
     /// Puts a picture into a slot.

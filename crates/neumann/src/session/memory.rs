@@ -33,10 +33,10 @@ pub(crate) fn peak_bytes() -> Option<u64> {
     field("/proc/self/status", "VmHWM:")
 }
 
-/// Frame, film, and the planes of a file, three floats a pixel each; features beside them.
+/// Two films in turn, and the planes of a file, three floats a pixel each; features beside them.
 fn needed_bytes(settings: &RenderSettings) -> u64 {
     let n_layers = settings.n_layers as u64 + 1;
-    let planes = n_layers + (n_layers + 2) + (n_layers + 3) + 5;
+    let planes = 2 * (n_layers + 2) + (n_layers + 3) + 5;
     (settings.width as u64 * settings.height as u64).saturating_mul(planes * 12)
 }
 

@@ -114,6 +114,10 @@ impl<I: Integrator> Integrator for Adaptive<I> {
         }
         method.iterate(scene, pass)
     }
+
+    fn traces_only_pixels(&self) -> bool {
+        matches!(self.state, State::Done(_)) && self.method.traces_only_pixels()
+    }
 }
 
 impl Measurement {

@@ -66,6 +66,10 @@ impl Integrator for BsdfSampling {
             }
         })
     }
+
+    fn traces_only_pixels(&self) -> bool {
+        true
+    }
 }
 
 pub(in crate::integrator) const MODE: TransportMode = TransportMode::Radiance;

@@ -103,6 +103,10 @@ impl Integrator for Mis {
             abreast::trace(&walk, camera, pixels, tracer, sink);
         })
     }
+
+    fn traces_only_pixels(&self) -> bool {
+        true
+    }
 }
 
 /// How paths walk.

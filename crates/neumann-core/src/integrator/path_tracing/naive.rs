@@ -89,4 +89,8 @@ impl Integrator for Naive {
             }
         })
     }
+
+    fn traces_only_pixels(&self) -> bool {
+        true
+    }
 }

@@ -109,4 +109,8 @@ impl Integrator for NextEvent {
             }
         })
     }
+
+    fn traces_only_pixels(&self) -> bool {
+        true
+    }
 }

@@ -164,6 +164,9 @@ impl Session {
         };
         progress.finish();
         metadata.n_refused = film.n_refused();
+        let techniques = renderer.techniques().cloned();
+        // Its memory goes before more is wanted.
+        drop(renderer);
         let features = self
             .pool
             .run(|| Features::trace(&self.scene, &s.camera, s.width, s.height));
@@ -174,7 +177,7 @@ impl Session {
             metadata,
             samples_per_second: per_second(n_samples),
             rays_per_second: per_second(n_rays),
-            techniques: renderer.techniques().cloned(),
+            techniques,
             photons,
             is_complete,
         }

@@ -5,7 +5,8 @@
 //! of their paths and added in that order at the end. Random numbers are keyed by (seed, iteration, path), so the result
 //! does not depend on which worker traced what.
 
-use std::cell::Cell;
+mod tiles;
+
 use std::ops::Range;
 
 use glam::Vec2;
@@ -14,15 +15,12 @@ use rayon::prelude::*;
 use super::coverage::Coverage;
 use super::light_paths::{Collected, LightNumbers, LightPaths};
 use super::pixels::{PixelSample, Pixels};
-use super::sink::{PixelPlace, Sink, SinkShape, Yield, add_splats};
+use super::sink::{Sink, SinkShape, Yield, add_splats};
 use super::{CancelToken, Cancelled, RenderSettings, SampleCounts};
 use crate::endpoint::Camera;
 use crate::film::techniques::TechniqueFilm;
-use crate::film::{
-    Contribution, FilmTile, Frame, LitLayers, NextFilm, PhotonReport, Strategy, TileBounds,
-};
-use crate::radiometry::Rgb;
-use crate::sampling::{Sampler, TileNumbers};
+use crate::film::{Frame, LitLayers, NextFilm, PhotonReport};
+use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::transport::Tracer;
 
@@ -48,17 +46,6 @@ pub struct Pass<'a> {
     techniques: Option<&'a mut TechniqueFilm>,
     samples: SampleCounts,
     n_splits: u8,
-}
-
-thread_local! {
-    /// Room for the tile that the thread is tracing.
-    static VALUES_OF_TILE: Cell<Vec<Rgb>> = const { Cell::new(Vec::new()) };
-}
-
-/// Where the values of a tile go.
-enum Target<'t> {
-    Frame(&'t mut [Rgb], &'t mut LitLayers),
-    Film(FilmTile<'t>),
 }
 
 impl<'a> Pass<'a> {
@@ -275,92 +262,6 @@ impl<'a> Pass<'a> {
         self.trace_tiles(scene, room, paths, None)
     }
 
-    /// Runs `paths` for each tile; where nothing stands before `background`, that is all there is.
-    fn trace_tiles<'s, R, M, F>(
-        &mut self,
-        scene: &'s Scene,
-        room: M,
-        paths: F,
-        background: Option<Rgb>,
-    ) -> Result<(), Cancelled>
-    where
-        M: Fn() -> R + Sync + Send,
-        F: for<'t> Fn(&mut R, Pixels<'t>, &mut Tracer<'s>, &mut Sink<'_>) + Sync,
-    {
-        let width = self.frame.width();
-        let (grid, per_tile) = (self.frame.grid(), self.frame.values_per_tile());
-        let keys = (self.seed, self.iteration, self.max_bounces);
-        let (samples, n_splits) = (self.samples.clone(), self.n_splits);
-        self.frame.n_samples = samples.total(grid);
-        let (cancel, coverage) = (self.cancel, self.coverage);
-        let shape = self.sink_shape();
-        let trace = |room: &mut R, number: usize, mut sink: Sink<'_>| {
-            let mut tracer = Tracer::new(scene);
-            let bounds = grid.bounds(number);
-            if let Some(radiance) = background
-                && !coverage.is_covered(number)
-            {
-                fill(bounds, radiance, &mut sink);
-                return sink.into_yield(0);
-            }
-            let n_samples = samples.of_tile(number);
-            sink.share_among(n_samples);
-            let numbers: Vec<TileNumbers> = (0..n_samples)
-                .flat_map(|sample| samples.numbers((number, bounds), keys, sample, n_splits))
-                .collect();
-            let numbers = (numbers.as_slice(), usize::from(n_splits));
-            let pixels = Pixels::new(numbers, bounds, width, cancel);
-            paths(room, pixels, &mut tracer, &mut sink);
-            sink.into_yield(tracer.n_rays())
-        };
-        let rounds = self.rounds(grid.n_tiles());
-        for round in &rounds {
-            let (values, lit) = self.frame.tiles();
-            let tiles = values[round.start * per_tile..round.end * per_tile]
-                .chunks_exact_mut(per_tile)
-                .zip(&mut lit[round.clone()]);
-            let targets: Vec<Target<'_>> = match &mut self.film {
-                Some(film) => film.tiles(round.clone()).map(Target::Film).collect(),
-                None => tiles.map(|(tile, lit)| Target::Frame(tile, lit)).collect(),
-            };
-            let yields: Vec<Yield> = targets
-                .into_par_iter()
-                .enumerate()
-                .with_max_len(1)
-                .map_init(&room, |room, (i, target)| {
-                    if cancel.is_cancelled() {
-                        return Yield::default();
-                    }
-                    let number = round.start + i;
-                    match target {
-                        Target::Frame(tile, lit) => {
-                            trace(room, number, Sink::new(tile, lit, shape))
-                        }
-                        Target::Film(tile) => {
-                            // In memory that stays in the cache.
-                            let mut values = VALUES_OF_TILE.take();
-                            values.resize(per_tile, Rgb::BLACK);
-                            let mut lit = LitLayers::default();
-                            let sink = Sink::new(&mut values, &mut lit, shape);
-                            let part = trace(room, number, sink);
-                            tile.take(&values, lit);
-                            VALUES_OF_TILE.set(values);
-                            part
-                        }
-                    }
-                })
-                .collect();
-            for (n_rays, part) in self.frame.n_rays_of_tiles[round.clone()]
-                .iter_mut()
-                .zip(&yields)
-            {
-                *n_rays = part.n_rays as u32;
-            }
-            self.take(&yields)?;
-        }
-        Ok(())
-    }
-
     /// Runs `path` once for each of `n_paths` light paths, which belong to no pixel: its number, a tracer, its random
     /// numbers, and the sink; collects what each pushes to the vector it is given.
     ///
@@ -523,23 +424,5 @@ impl<'a> Pass<'a> {
             self.frame.n_rays += part.n_rays;
         }
         Ok(())
-    }
-}
-
-/// Gives every pixel of a tile what comes from infinitely far away.
-fn fill(TileBounds { start, end }: TileBounds, radiance: Rgb, sink: &mut Sink<'_>) {
-    if radiance.is_black() {
-        return;
-    }
-    for y in start[1]..end[1] {
-        for x in start[0]..end[0] {
-            sink.start_pixel(PixelPlace::new(x, y));
-            sink.add(Contribution {
-                value: radiance,
-                mis_weight: 1.0,
-                bounce: 0,
-                strategy: Strategy::hit(2),
-            });
-        }
     }
 }

@@ -52,13 +52,13 @@ pub fn write_exr_as(
 ) -> Result<(), PictureError> {
     let mut planes = Planes::new(precision);
     planes.rgb("", &film.total());
-    for (k, layer) in film.layers().iter().enumerate() {
+    for k in 0..=film.n_layers() {
         let name = if k == film.n_layers() {
             "tail".to_owned()
         } else {
             format!("T{k}")
         };
-        planes.rgb(&name, layer);
+        planes.rgb(&name, &film.layer(k));
     }
     let variance: Vec<Rgb> = (0..film.n_pixels())
         .map(|pixel| film.variance_of_mean(pixel))

@@ -9,8 +9,9 @@ use std::time::Duration;
 
 use glam::Vec3;
 use neumann_core::accel::TreeQuality;
-use neumann_core::film::Film;
+use neumann_core::film::{Contribution, Film, Strategy};
 use neumann_core::integrator::{Integrator, METHODS, Method, ParameterValues, Sight, Value};
+use neumann_core::radiometry::Rgb;
 use neumann_core::render::{CancelToken, Cancelled, Job, Pass, RenderLoop, Renderer, StopRule};
 use neumann_core::scene::description::{MeshDescription, SceneDescription};
 use neumann_core::scene::{OpeningProgress, Scene};
@@ -154,6 +155,41 @@ fn cancelling_is_heeded_within_a_row() {
         n_late <= 16 * n_threads,
         "{n_late} paths after the cancellation"
     );
+}
+
+/// A method that says that it adds to its own pixels alone, and splats.
+struct Splatting;
+
+impl Integrator for Splatting {
+    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
+        pass.trace_pixels(scene, |raster, _, _, sink| {
+            let contribution = Contribution {
+                value: Rgb::WHITE,
+                mis_weight: 1.0,
+                bounce: 0,
+                strategy: Strategy::hit(2),
+            };
+            sink.splat(raster, contribution);
+        })
+    }
+
+    fn traces_only_pixels(&self) -> bool {
+        true
+    }
+}
+
+static SPLATTING: Method = Method {
+    id: "splatting",
+    build: |_: &ParameterValues| Box::new(Splatting),
+    ..STUMBLING
+};
+
+#[test]
+#[should_panic(expected = "must not splat")]
+fn who_says_that_it_adds_to_its_own_pixels_alone_must_not_splat() {
+    let _ = Setup::new(&builtin("cornell"), 16, 16)
+        .by(&SPLATTING)
+        .film(0, 1);
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod determinism;
 mod energy;
 mod light_choice;
 mod lights;
+mod media;
 mod merging;
 mod reference;
 mod sampling;

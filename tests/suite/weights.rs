@@ -420,7 +420,7 @@ fn walks_from_lights_know_both_choices() {
                 continue;
             };
             let mut tracer = Tracer::new(scene);
-            let mut walk = Walk::from_light(&start, &weighing);
+            let mut walk = Walk::from_light(&start, &mut tracer, &weighing);
             let Some(vertex) = walk.meet(&mut tracer, &weighing) else {
                 continue;
             };

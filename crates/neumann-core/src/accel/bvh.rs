@@ -140,6 +140,17 @@ impl Bvh {
         hit.is_there().then_some(hit)
     }
 
+    /// Hands everything that the ray meets before its end to `found`, in no order. All kernels find
+    /// the same, so that it is written for any processor.
+    pub fn each_hit(&self, ray: &Ray, found: &mut dyn FnMut(Hit)) {
+        if !self.tree.nodes.is_empty() {
+            portable::each(&self.tree, ray, found);
+        }
+        if let Some(instances) = &self.instances {
+            portable::each_of_instances(instances, ray, found);
+        }
+    }
+
     /// True if anything is in the way of the ray before its end.
     #[inline]
     #[must_use]

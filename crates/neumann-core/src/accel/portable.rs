@@ -44,6 +44,16 @@ pub(super) fn any_of_instances(instances: &Instances, ray: &Ray) -> bool {
     traverse::any_of_instances::<Portable>(instances, ray)
 }
 
+#[inline(never)]
+pub(super) fn each(tree: &WideTree, ray: &Ray, found: &mut dyn FnMut(Hit)) {
+    traverse::each::<Portable>(tree, ray, found);
+}
+
+#[inline(never)]
+pub(super) fn each_of_instances(instances: &Instances, ray: &Ray, found: &mut dyn FnMut(Hit)) {
+    traverse::each_of_instances::<Portable>(instances, ray, found);
+}
+
 impl Kernel for Portable {
     #[inline(always)]
     fn meet_boxes(node: &Node, ray: &Prepared, t_max: f32) -> BoxHits {

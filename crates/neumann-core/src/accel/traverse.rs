@@ -307,6 +307,33 @@ pub(super) fn any_of_instances<K: Kernel>(instances: &Instances, ray: &Ray) -> b
     walk_until::<K>(&instances.tree, &Prepared::new(ray), ray.t_max(), &inside)
 }
 
+/// Hands all triangles that the ray meets before its end to `found`, in no order.
+pub(super) fn each<K: Kernel>(tree: &WideTree, ray: &Ray, found: &mut dyn FnMut(Hit)) {
+    let prepared = Prepared::new(ray);
+    let mut all = All::<K> {
+        tree,
+        prepared: &prepared,
+        found,
+        kernel: PhantomData,
+    };
+    walk::<K>(tree, &prepared, ray.t_max(), &mut all);
+}
+
+/// Hands all triangles of instances that the ray meets before its end to `found`, in no order.
+pub(super) fn each_of_instances<K: Kernel>(
+    instances: &Instances,
+    ray: &Ray,
+    found: &mut dyn FnMut(Hit),
+) {
+    let mut all = AllInside::<K> {
+        instances,
+        ray,
+        found,
+        kernel: PhantomData,
+    };
+    walk::<K>(&instances.tree, &Prepared::new(ray), ray.t_max(), &mut all);
+}
+
 /// The triangles of a leaf.
 struct Triangles<'a, K> {
     tree: &'a WideTree,
@@ -363,6 +390,61 @@ impl<K: Kernel> AnyVisitor for Inside<'_, K> {
         let instance = &self.instances.instances[leaf];
         let inside = instance.ray_inside(self.ray, self.best.t);
         any::<K>(&self.instances.meshes[instance.mesh], &inside)
+    }
+}
+
+/// The triangles of a leaf, all that are met.
+struct All<'a, 'f, K> {
+    tree: &'a WideTree,
+    prepared: &'a Prepared,
+    found: &'f mut dyn FnMut(Hit),
+    kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Visitor for All<'_, '_, K> {
+    fn visit(&mut self, leaf: usize, end: f32) -> f32 {
+        let leaf = &self.tree.leaves[leaf];
+        let lanes = K::meet_triangles(leaf, self.prepared, end);
+        for lane in 0..LEAF_SIZE {
+            // Unused lanes repeat the first triangle; a hit at the very end does not count.
+            let is_used = lane == 0 || leaf.triangles[lane] != leaf.triangles[0];
+            if lanes.mask >> lane & 1 != 0 && is_used && lanes.t[lane] < end {
+                (self.found)(Hit {
+                    t: lanes.t[lane],
+                    triangle: leaf.triangles[lane],
+                    barycentrics: [lanes.v[lane], lanes.w[lane]],
+                });
+            }
+        }
+        end
+    }
+}
+
+/// The mesh of an instance, all of it that is met.
+struct AllInside<'a, 'f, K> {
+    instances: &'a Instances,
+    ray: &'a Ray,
+    found: &'f mut dyn FnMut(Hit),
+    kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Visitor for AllInside<'_, '_, K> {
+    fn visit(&mut self, leaf: usize, end: f32) -> f32 {
+        let instance = &self.instances.instances[leaf];
+        let inside = instance.ray_inside(self.ray, end);
+        let found = &mut *self.found;
+        let mut found_inside = |hit: Hit| {
+            found(Hit {
+                triangle: hit.triangle + instance.first_triangle,
+                ..hit
+            });
+        };
+        each::<K>(
+            &self.instances.meshes[instance.mesh],
+            &inside,
+            &mut found_inside,
+        );
+        end
     }
 }
 

@@ -116,6 +116,13 @@ impl Start {
         self.value * (self.cos / (self.densities.pdf_a * self.densities.pdf_w))
     }
 
+    /// True if its endpoint is infinitely far away.
+    #[inline]
+    #[must_use]
+    pub fn is_at_infinity(&self) -> bool {
+        matches!(self.spread, Spread::Parallel { .. })
+    }
+
     /// Where it starts, as a point of a surface.
     #[inline(always)]
     #[must_use]

@@ -11,7 +11,7 @@ use crate::math::lanes::{LANES, Lanes};
 use crate::radiometry::{Rgb, RgbLanes};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::transport::Medium;
+use crate::scene::bodies::Media;
 use crate::transport::diffuse::{DiffuseHit, DiffuseSamples, DiffuseVertices};
 
 /// The paths of all lanes that have one.
@@ -20,7 +20,7 @@ pub(super) struct PathLanes<'t> {
     pub(super) rays: RayLanes,
     throughput: RgbLanes,
     bounce: Lanes<u32>,
-    pub(super) media: [Medium; LANES],
+    pub(super) media: [Media; LANES],
     pub(super) samplers: [Sampler<'t>; LANES],
 }
 
@@ -30,7 +30,7 @@ impl Default for PathLanes<'_> {
             rays: RayLanes::default(),
             throughput: RgbLanes::default(),
             bounce: Lanes::default(),
-            media: [Medium::VACUUM; LANES],
+            media: [Media::VACUUM; LANES],
             samplers: std::array::from_fn(|_| Sampler::new(0, 0, 0)),
         }
     }
@@ -56,12 +56,12 @@ impl PathLanes<'_> {
         lane: usize,
         ray: &Ray,
         throughput: Rgb,
-        medium: Medium,
+        media: Media,
         bounce: u32,
     ) {
         self.rays.set(lane, ray);
         self.throughput.set(lane, throughput);
-        self.media[lane] = medium;
+        self.media[lane] = media;
         self.bounce.set(lane, bounce);
     }
 

@@ -14,8 +14,9 @@ use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass, Sink};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
+use crate::scene::bodies::Media;
+use crate::transport::Tracer;
 use crate::transport::reflection::{aim_at_light, light_sample};
-use crate::transport::{Medium, Tracer};
 
 /// The row of the registry.
 pub(super) static METHOD: Method = Method {
@@ -87,7 +88,7 @@ struct Distributed {
 struct Branch {
     ray: Ray,
     throughput: Rgb,
-    medium: Medium,
+    media: Media,
     bounce: u32,
     /// True if the vertex before could not have aimed along it.
     is_specular: bool,
@@ -102,10 +103,11 @@ impl Integrator for Distributed {
             for lens in 0..this.n_lens {
                 // The position in the pixel is drawn once, the lens anew for each ray.
                 sampler.start_bounce(lens * this.blocks_per_ray());
+                let ray = camera.ray(raster, sampler.next_2d()).ray;
                 let branch = Branch {
-                    ray: camera.ray(raster, sampler.next_2d()).ray,
+                    ray,
                     throughput: Rgb::splat(1.0 / this.n_lens as f32),
-                    medium: Medium::VACUUM,
+                    media: tracer.media_at_camera(&ray),
                     bounce: 0,
                     is_specular: true,
                 };
@@ -136,18 +138,17 @@ impl Distributed {
         let Branch {
             ray,
             mut throughput,
-            medium,
+            mut media,
             bounce,
             is_specular,
         } = branch;
-        let Some(vertex) = tracer.vertex(&ray) else {
+        let Some(vertex) = tracer.meet(&ray, &mut media, &mut throughput) else {
             if is_specular {
                 let radiance = tracer.scene.lights().environment_radiance(ray.direction());
                 sink.add(hit(bounce, throughput * radiance, 1.0));
             }
             return;
         };
-        throughput *= medium.transmittance(vertex.distance);
         if bounce == 0 {
             add_unlit(tracer, &vertex, sink);
         }
@@ -166,7 +167,7 @@ impl Distributed {
             let n = if is_first { self.n_light } else { 1 };
             for _ in 0..n {
                 let u = light_sample(sampler);
-                if let Some(aimed) = aim_at_light(tracer, &vertex, medium, LightChoice::Tree, &u) {
+                if let Some(aimed) = aim_at_light(tracer, &vertex, media, LightChoice::Tree, &u) {
                     let value = throughput * aimed.value;
                     sink.add(connect(bounce + 1, value, 1.0 / n as f32));
                 }
@@ -187,7 +188,7 @@ impl Distributed {
             let next = Branch {
                 ray: vertex.ray(sample.wi),
                 throughput: throughput * sample.throughput() / n as f32,
-                medium: medium.beyond(&vertex, sample.wi),
+                media: vertex.media_towards(sample.wi, media),
                 bounce: bounce + 1,
                 is_specular: sample.is_delta,
             };

@@ -21,8 +21,9 @@ use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass, Sink};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
+use crate::scene::bodies::Media;
 use crate::transport::reflection::{Drawn, aim_at_light, light_sample, start_sample};
-use crate::transport::{Medium, SurfaceVertex, Tracer, VertexSample};
+use crate::transport::{SurfaceVertex, Tracer, VertexSample};
 
 use super::bidirectional::{Walk, Weighing};
 use super::path_tracing::bsdf::{MODE, bsdf_numbers};
@@ -258,7 +259,7 @@ impl PhotonMapping {
                 let Some(start) = scene.lights().start(&start_sample(sampler)) else {
                     return;
                 };
-                let mut walk = Walk::from_light(&start, &weighing);
+                let mut walk = Walk::from_light(&start, tracer, &weighing);
                 while let Some(vertex) = walk.meet(tracer, &weighing) {
                     if walk.bounce() == max_bounces {
                         return;
@@ -297,10 +298,11 @@ impl PhotonMapping {
             max_bounces: pass.max_bounces(),
         };
         pass.trace_pixels_with(scene, Vec::new, |near, sample, tracer, sampler, sink| {
+            let ray = camera.ray(sample.raster, sampler.next_2d()).ray;
             let segment = Segment {
-                ray: camera.ray(sample.raster, sampler.next_2d()).ray,
+                ray,
                 throughput: Rgb::WHITE,
-                medium: Medium::VACUUM,
+                media: tracer.media_at_camera(&ray),
                 drawn: None,
                 leaves_emitters: false,
                 bounce: 0,
@@ -323,7 +325,7 @@ struct Eye<'a> {
 struct Segment {
     ray: Ray,
     throughput: Rgb,
-    medium: Medium,
+    media: Media,
     /// Where the ray's direction was drawn; nothing where no light could have been aimed at instead.
     drawn: Option<Drawn>,
     /// True where emitters have been aimed at for good.
@@ -347,7 +349,8 @@ impl Eye<'_> {
         let lights = self.scene.lights();
         loop {
             // What does the ray meet? L_e counts, against having been aimed at.
-            let Some(vertex) = tracer.vertex(&path.ray) else {
+            let ray = path.ray;
+            let Some(vertex) = tracer.meet(&ray, &mut path.media, &mut path.throughput) else {
                 let radiance = lights.environment_radiance(path.ray.direction());
                 if !radiance.is_black() {
                     let weight =
@@ -356,7 +359,6 @@ impl Eye<'_> {
                 }
                 return;
             };
-            path.throughput *= path.medium.transmittance(vertex.distance);
             if path.bounce == 0 {
                 add_unlit(tracer, &vertex, sink);
             }
@@ -378,7 +380,7 @@ impl Eye<'_> {
             } else if has_density {
                 // A light aimed at, against running into it.
                 let u = light_sample(sampler);
-                if let Some(aimed) = aim_at_light(tracer, &vertex, path.medium, CHOICE, &u) {
+                if let Some(aimed) = aim_at_light(tracer, &vertex, path.media, CHOICE, &u) {
                     let value = path.throughput * aimed.value;
                     // Rays of a final gather leave emitters to the light aimed at.
                     let weight = if is_rough { 1.0 } else { aimed.mis_weight() };
@@ -490,7 +492,7 @@ impl Segment {
         Self {
             ray: vertex.ray(sample.wi),
             throughput: self.throughput * sample.throughput(),
-            medium: self.medium.beyond(vertex, sample.wi),
+            media: vertex.media_towards(sample.wi, self.media),
             drawn: Drawn::at(vertex, CHOICE, sample),
             leaves_emitters: false,
             bounce: self.bounce + 1,

@@ -186,7 +186,7 @@ impl Vcm {
                 let Some(start) = scene.lights().start(&start_sample(sampler)) else {
                     return;
                 };
-                let mut walk = Walk::from_light(&start, &weighing);
+                let mut walk = Walk::from_light(&start, tracer, &weighing);
                 while let Some(vertex) = walk.meet(tracer, &weighing) {
                     if vertex.surface.bsdf.has_density() {
                         kept.push(());

@@ -31,6 +31,9 @@ pub struct Photon {
     pub power: Rgb,
     /// Vertices of its path, this one and the light included.
     pub n_vertices: u16,
+    /// Where it landed on a wall between media, the numbers of their indices of refraction
+    /// ([`SurfaceVertex::indices`]).
+    pub(crate) indices: [u8; 2],
 }
 
 impl Placed for Photon {

@@ -32,6 +32,8 @@ pub(super) fn geometry(
         warnings,
         meshes: Vec::new(),
         n_triangles: 0,
+        objects: HashMap::new(),
+        n_objects: 0,
     };
     let (shared, single): (Vec<_>, Vec<_>) = {
         let is_shared = meshes_to_share(description);
@@ -78,9 +80,27 @@ struct Builder<'a> {
     warnings: &'a mut Vec<String>,
     meshes: Vec<PlacedMesh>,
     n_triangles: usize,
+    /// Numbers of those objects that may have several meshes, by the object of the description and
+    /// its place.
+    objects: HashMap<(usize, [u32; 16]), u32>,
+    n_objects: u32,
 }
 
 impl Builder<'_> {
+    /// Number of the object that a mesh is part of where it stands.
+    fn object(&mut self, instance: &InstanceDescription) -> u32 {
+        let next = self.n_objects;
+        let number = match self.description.meshes[instance.mesh].object {
+            None => next,
+            Some(object) => {
+                let place = instance.world_from_mesh.to_cols_array().map(f32::to_bits);
+                *self.objects.entry((object, place)).or_insert(next)
+            }
+        };
+        self.n_objects += u32::from(number == next);
+        number
+    }
+
     /// Puts a mesh into the world, triangle by triangle.
     fn add(&mut self, instance: &InstanceDescription) {
         let Some(mesh) = self.description.meshes.get(instance.mesh) else {
@@ -90,6 +110,7 @@ impl Builder<'_> {
             return;
         };
         placed.first_triangle = self.n_triangles as u32;
+        placed.object = self.object(instance);
         self.n_triangles += placed.arrays.triangles.len();
         self.meshes.push(placed);
     }
@@ -144,7 +165,9 @@ impl Builder<'_> {
                 continue;
             }
             (min, max) = (min.min(low), max.max(high));
+            let object = self.object(instance);
             self.meshes.push(PlacedMesh {
+                object,
                 name: name_of(instance, mesh).clone(),
                 first_triangle: n_triangles as u32,
                 material: mesh.material.unwrap_or(self.default_material) as u32,
@@ -310,6 +333,7 @@ fn place(
     Some(PlacedMesh {
         name: name.clone(),
         first_triangle: 0,
+        object: 0,
         material: mesh.material.unwrap_or(default_material) as u32,
         arrays: Arc::new(MeshArrays {
             triangles,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::appearance::Appearance;
+use super::bodies::Bodies;
 use super::casters::{Caster, casters};
 use super::description::{
     CameraDescription, EnvironmentDescription, LoadReport, Projection, SceneDescription,
@@ -37,6 +38,7 @@ pub struct Scene {
     /// `reflectors[mesh]`
     reflectors: Vec<Option<PlainReflector>>,
     casters: Vec<Caster>,
+    bodies: Bodies,
 }
 
 /// A mesh that scatters alike everywhere, diffusely, and does nothing else: it has neither vertex colours nor a volume. Triangles
@@ -145,7 +147,7 @@ impl Scene {
             );
             appearance.environment = Some(Arc::new(EnvironmentDescription::uniform(Rgb::WHITE)));
         }
-        let dress = dress(&geometry, &images, &appearance);
+        let dress = dress(&geometry, &bvh, &images, &appearance);
         Self {
             name: description.name.clone(),
             about: description.about.clone(),
@@ -162,6 +164,7 @@ impl Scene {
             has_alpha: dress.has_alpha,
             reflectors: dress.reflectors,
             casters: dress.casters,
+            bodies: dress.bodies,
         }
     }
 
@@ -184,7 +187,7 @@ impl Scene {
             ),
             "an appearance edits a scene's materials and lights, it does not add or drop any"
         );
-        let dress = dress(&self.geometry, &self.images, &appearance);
+        let dress = dress(&self.geometry, &self.bvh, &self.images, &appearance);
         Self {
             appearance,
             materials: dress.materials,
@@ -192,6 +195,7 @@ impl Scene {
             has_alpha: dress.has_alpha,
             reflectors: dress.reflectors,
             casters: dress.casters,
+            bodies: dress.bodies,
             ..self.clone()
         }
     }
@@ -274,6 +278,13 @@ impl Scene {
         &self.casters
     }
 
+    /// What has an inside that light passes through.
+    #[inline(always)]
+    #[must_use]
+    pub fn bodies(&self) -> &Bodies {
+        &self.bodies
+    }
+
     /// True if rays may pass through some surface as if it were not there.
     #[inline]
     #[must_use]
@@ -339,9 +350,15 @@ struct Dress {
     has_alpha: bool,
     reflectors: Vec<Option<PlainReflector>>,
     casters: Vec<Caster>,
+    bodies: Bodies,
 }
 
-fn dress(geometry: &Geometry, images: &[TextureImage], appearance: &Appearance) -> Dress {
+fn dress(
+    geometry: &Geometry,
+    bvh: &Bvh,
+    images: &[TextureImage],
+    appearance: &Appearance,
+) -> Dress {
     let materials: Vec<Material> = appearance
         .materials
         .iter()
@@ -352,9 +369,17 @@ fn dress(geometry: &Geometry, images: &[TextureImage], appearance: &Appearance) 
         .meshes()
         .iter()
         .any(|mesh| materials[mesh.material as usize].has_alpha());
+    let bodies = Bodies::new(geometry, bvh, &materials);
+    let bodies = if bodies.is_empty() {
+        bodies
+    } else {
+        bodies.with_lights(lighting::boxes(geometry, &materials, appearance))
+    };
     let reflector = |mesh: &PlacedMesh| {
         let material = &materials[mesh.material as usize];
-        let is_plain = mesh.arrays.colors.is_none() && material.absorption().is_none();
+        // Where walls leak, no path is plain.
+        let is_plain =
+            mesh.arrays.colors.is_none() && material.absorption().is_none() && !bodies.have_leaks();
         match material.uniform_bsdf() {
             Some(Bsdf::Lambert(lambert)) if is_plain => Some(PlainReflector {
                 lambert: *lambert,
@@ -367,6 +392,7 @@ fn dress(geometry: &Geometry, images: &[TextureImage], appearance: &Appearance) 
     Dress {
         reflectors: geometry.meshes().iter().map(reflector).collect(),
         casters: casters(geometry, &materials, &lights),
+        bodies,
         materials,
         lights,
         has_alpha,

@@ -71,6 +71,9 @@ pub struct MeshDescription {
     pub triangles: Vec<[u32; 3]>,
     /// Index into `materials`; `None` is the glTF default material.
     pub material: Option<usize>,
+    /// Number of the object that it is part of, as one glTF mesh may have several primitives;
+    /// `None` for a mesh by itself.
+    pub object: Option<usize>,
 }
 
 /// A mesh placed in the world.

@@ -96,6 +96,8 @@ pub struct PlacedMesh {
     pub first_triangle: u32,
     /// Index of its material.
     pub material: u32,
+    /// Number of the object that it is part of: what a node has placed there.
+    pub(super) object: u32,
     /// What its vertices carry: in world space, or, for an instance, in the mesh's own space.
     pub arrays: Arc<MeshArrays>,
     /// Where an instance stands; `None` for a mesh in world space.

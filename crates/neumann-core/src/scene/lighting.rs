@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::appearance::Appearance;
 use super::description::{LightDescription, LightKind};
-use super::geometry::{Geometry, position_error};
+use super::geometry::{Geometry, PlacedMesh, position_error};
 use crate::endpoint::Lights;
 use crate::endpoint::light::{
     AreaLight, Bounds, DirectionalLight, Emission, EnvironmentLight, Light, PointLight, SpotLight,
@@ -14,6 +14,31 @@ use crate::endpoint::light::{
 };
 use crate::material::Material;
 use crate::radiometry::Rgb;
+
+/// Boxes that hold all lights, those infinitely far away aside.
+pub(super) fn boxes(
+    geometry: &Geometry,
+    materials: &[Material],
+    appearance: &Appearance,
+) -> Vec<[Vec3; 2]> {
+    let emits = |mesh: &&PlacedMesh| {
+        let material = &materials[mesh.material as usize];
+        !material.emission().0.is_black()
+    };
+    let box_of = |mesh: &PlacedMesh| {
+        let corners = mesh.triangles().flatten();
+        let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        corners.fold(nothing, |[min, max], p| [min.min(p), max.max(p)])
+    };
+    let position = |light: &LightDescription| {
+        let position = light.world_from_light.w_axis.truncate();
+        [position; 2]
+    };
+    let meshes = geometry.meshes().iter().filter(emits).map(box_of);
+    meshes
+        .chain(appearance.lights.iter().map(position))
+        .collect()
+}
 
 /// All lights that are not off.
 pub(super) fn lights(

@@ -5,6 +5,7 @@
 //! [`Appearance`] is the part that can be edited without building the tree anew.
 
 mod appearance;
+pub mod bodies;
 mod build;
 mod built;
 pub mod builtin;

@@ -15,6 +15,7 @@ use crate::math::Frame;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, vectorized};
 use crate::radiometry::{Rgb, RgbLanes};
 use crate::scene::Scene;
+use crate::scene::bodies::Media;
 use crate::scene::geometry::Facet;
 
 use super::tracer::on_side;
@@ -174,6 +175,8 @@ impl<'a> DiffuseVertices<'a> {
             opacity: 1.0,
             triangle: self.triangle.get(lane),
             barycentrics: [0, 1].map(|i| self.barycentrics[i].get(lane)),
+            across: Media::VACUUM,
+            indices: [0; 2],
         }
     }
 }

@@ -1,48 +1,401 @@
-//! What is between two vertices: nothing, or the absorbing inside of a solid.
+//! Paths through the bodies of a scene ([`crate::scene::bodies`]): what they start in, what stops
+//! them, and what is left of their light.
+//!
+//! A segment of a path begins in known media, and crosses walls in three ways. Walls that lie
+//! within a body that is there instead of theirs are passed as if they were not there, and so are
+//! those that let light through by their alpha; an interface between two media stops it, and is a
+//! vertex. Only where bodies are near each other or leak need anything but the first hit be looked
+//! at.
 
-use super::SurfaceVertex;
+use glam::Vec3;
+
+use super::tracer::{chance, shadow_ray, shadow_ray_between};
+use super::{SurfaceVertex, Tracer};
+use crate::accel::Hit;
+use crate::bsdf::{Bsdf, Walls};
+use crate::endpoint::{Aim, Start, SurfacePoint};
+use crate::math::Ray;
 use crate::radiometry::Rgb;
+use crate::scene::bodies::{Bodies, Crossing, Media, Wall};
 
-/// The space that a segment of a path runs through.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Medium {
-    absorption: Option<Rgb>,
+impl SurfaceVertex<'_> {
+    /// What is on the side of `wi` (world) of a vertex that was reached through `before`.
+    #[inline(always)]
+    #[must_use]
+    pub fn media_towards(&self, wi: Vec3, before: Media) -> Media {
+        let ng = self.point.ng;
+        if ng.dot(wi) * ng.dot(self.wo) < 0.0 {
+            self.across
+        } else {
+            before
+        }
+    }
 }
 
-impl Medium {
-    /// What is around the camera and the lights.
-    pub const VACUUM: Self = Self { absorption: None };
+/// What a ray has met next, on its way through media.
+struct Met {
+    hit: Hit,
+    /// Probability with which it stops the ray there.
+    opacity: f32,
+    /// `None` for a surface that is no wall.
+    crossing: Option<Crossing>,
+}
 
-    /// The space on the side of `wi` (world) of a vertex that was reached through `self`.
-    ///
-    /// Only surfaces with a volume have an inside; any other leaves the medium as it was.
-    #[inline]
-    #[must_use]
-    pub fn beyond(self, vertex: &SurfaceVertex<'_>, wi: glam::Vec3) -> Self {
-        match vertex.material.absorption() {
-            None => self,
-            Some(absorption) => Self {
-                absorption: (vertex.point.ng.dot(wi) < 0.0).then_some(absorption),
-            },
+/// Walls that are turned against each other by more than this do not coincide: cosine.
+const SAME_PLANE: f32 = 0.999;
+
+impl<'a> Tracer<'a> {
+    /// What a ray that leaves the camera begins in.
+    #[inline(always)]
+    pub fn media_at_camera(&mut self, ray: &Ray) -> Media {
+        if self.scene.bodies().is_empty() {
+            return Media::VACUUM;
+        }
+        self.media_at_eye(ray.origin())
+    }
+
+    /// All rays of a pinhole camera begin at one place, which is asked once.
+    fn media_at_eye(&mut self, eye: Vec3) -> Media {
+        match self.eye {
+            Some((place, media)) if place == eye => media,
+            _ => {
+                let media = self.media_around(eye, Vec3::ZERO, None);
+                self.eye = Some((eye, media));
+                media
+            }
         }
     }
 
-    /// True where nothing is absorbed.
-    #[inline]
-    #[must_use]
-    pub fn is_vacuum(self) -> bool {
-        self.absorption.is_none()
+    /// What a ray that leaves a light begins in; light from infinitely far away begins outside of
+    /// everything.
+    #[inline(always)]
+    pub fn media_at_light(&mut self, start: &Start) -> Media {
+        if !self.scene.bodies().hold_lights() || start.is_at_infinity() {
+            return Media::VACUUM;
+        }
+        let (side, triangle) = match start.on_triangle {
+            Some((triangle, _)) => (start.ng * start.ng.dot(start.direction), Some(triangle)),
+            None => (Vec3::ZERO, None),
+        };
+        self.media_around(start.position, side, triangle)
     }
 
-    /// Share of light that is left after `distance` metres (Beer and Lambert).
-    #[inline]
-    #[must_use]
-    pub fn transmittance(self, distance: f32) -> Rgb {
-        match self.absorption {
-            None => Rgb::WHITE,
-            Some(absorption) => {
-                absorption.map(|a| if a > 0.0 { (-a * distance).exp() } else { 1.0 })
+    #[inline(never)]
+    fn media_around(&self, point: Vec3, side: Vec3, triangle: Option<u32>) -> Media {
+        let (bvh, geometry) = (self.scene.bvh(), self.scene.geometry());
+        let bodies = self.scene.bodies();
+        bodies.around(bvh, geometry, point, side, triangle)
+    }
+
+    /// The first surface that stops a ray in `media`, with everything needed to scatter there.
+    /// Takes media and throughput along.
+    #[inline(always)]
+    pub fn meet(
+        &mut self,
+        ray: &Ray,
+        media: &mut Media,
+        throughput: &mut Rgb,
+    ) -> Option<SurfaceVertex<'a>> {
+        let found = self.hit(ray);
+        self.arrive(ray, found.as_ref(), media, throughput)
+    }
+
+    /// The same where it is known already what the ray meets if media are not asked
+    /// ([`Self::hit`]).
+    #[inline(always)]
+    pub(crate) fn arrive(
+        &mut self,
+        ray: &Ray,
+        found: Option<&Hit>,
+        media: &mut Media,
+        throughput: &mut Rgb,
+    ) -> Option<SurfaceVertex<'a>> {
+        if self.scene.bodies().is_empty() {
+            return Some(self.surface_vertex(-ray.direction(), found?));
+        }
+        self.arrive_among_bodies(ray, found, media, throughput)
+    }
+
+    #[inline(never)]
+    fn arrive_among_bodies(
+        &mut self,
+        ray: &Ray,
+        found: Option<&Hit>,
+        media: &mut Media,
+        throughput: &mut Rgb,
+    ) -> Option<SurfaceVertex<'a>> {
+        let bodies = self.scene.bodies();
+        if bodies.have_leaks() {
+            return self.arrive_through_walls(ray, f32::INFINITY, media, throughput);
+        }
+        let hit = found?;
+        let Some((wall, ng)) = self.wall(hit) else {
+            *throughput *= bodies.transmittance(*media, hit.t);
+            let mut vertex = self.surface_vertex(-ray.direction(), hit);
+            vertex.across = *media;
+            return Some(vertex);
+        };
+        if bodies.has_neighbours(wall.body as usize) {
+            // Most often it is what stops the ray, or one of the walls in the same place is.
+            let end = hit.t + self.reach(hit, ray.direction());
+            return self.arrive_through_walls(ray, end, media, throughput);
+        }
+        let is_entered = Bodies::is_entered(wall, ng, ray.direction());
+        let crossing = bodies.crossing(*media, (wall, is_entered), []);
+        if !crossing.is_interface {
+            return self.arrive_through_walls(ray, f32::INFINITY, media, throughput);
+        }
+        *throughput *= bodies.transmittance(*media, hit.t);
+        Some(self.vertex_at(ray, hit, &crossing))
+    }
+
+    /// The same, wall by wall; nothing that stops the ray is likely to be beyond `likely_end`.
+    fn arrive_through_walls(
+        &mut self,
+        ray: &Ray,
+        likely_end: f32,
+        media: &mut Media,
+        throughput: &mut Rgb,
+    ) -> Option<SurfaceVertex<'a>> {
+        if likely_end < ray.t_max() {
+            let nearer = Ray::with_end(ray.origin(), ray.direction(), likely_end);
+            let mut likely = (*media, *throughput);
+            if let Some(vertex) = self.arrive_before_end(&nearer, &mut likely.0, &mut likely.1) {
+                (*media, *throughput) = likely;
+                return Some(vertex);
             }
+        }
+        self.arrive_before_end(ray, media, throughput)
+    }
+
+    fn arrive_before_end(
+        &mut self,
+        ray: &Ray,
+        media: &mut Media,
+        throughput: &mut Rgb,
+    ) -> Option<SurfaceVertex<'a>> {
+        let bodies = self.scene.bodies();
+        let mut hits = self.all_hits(ray);
+        let mut from = 0.0;
+        while let Some(met) = self.next_met(ray, &mut hits, *media) {
+            let Met {
+                hit,
+                opacity,
+                crossing,
+            } = met;
+            let is_stopped =
+                opacity >= 1.0 || (opacity > 0.0 && chance(ray, hit.triangle) < opacity);
+            match crossing {
+                None if !is_stopped => {}
+                Some(crossing) if !(is_stopped && crossing.is_interface) => {
+                    *throughput *= bodies.transmittance(*media, hit.t - from);
+                    from = hit.t;
+                    *media = crossing.across;
+                }
+                crossing => {
+                    *throughput *= bodies.transmittance(*media, hit.t - from);
+                    return Some(match crossing {
+                        Some(crossing) => self.vertex_at(ray, &hit, &crossing),
+                        None => {
+                            let mut vertex = self.surface_vertex(-ray.direction(), &hit);
+                            vertex.across = *media;
+                            vertex
+                        }
+                    });
+                }
+            }
+        }
+        None
+    }
+
+    /// Share of light that gets from a surface, on a side where `media` are, to what was aimed at.
+    #[inline(always)]
+    pub fn light_to(&mut self, from: &SurfacePoint, aim: &Aim, media: Media) -> Rgb {
+        if self.scene.bodies().is_empty() {
+            return Rgb::splat(self.visibility(from, aim));
+        }
+        let ray = shadow_ray(from, aim);
+        self.light_through(ray.as_ref(), aim.distance, media)
+    }
+
+    /// Share of light that gets from one point of a surface, on the side where `media` are, to
+    /// another one so far away, metres.
+    #[inline(always)]
+    pub fn light_between(
+        &mut self,
+        from: &SurfacePoint,
+        to: &SurfacePoint,
+        distance: f32,
+        media: Media,
+    ) -> Rgb {
+        if self.scene.bodies().is_empty() {
+            return Rgb::splat(self.visibility_between(from, to));
+        }
+        let ray = shadow_ray_between(from, to);
+        self.light_through(ray.as_ref(), distance, media)
+    }
+
+    /// Share of light that gets along a ray that begins in `media` so many metres far, where
+    /// nothing but walls that are not there for it is in between.
+    pub fn light_before(&mut self, ray: &Ray, distance: f32, media: Media) -> Rgb {
+        let bodies = self.scene.bodies();
+        if !bodies.have_hidden_walls() {
+            return bodies.transmittance(media, distance);
+        }
+        let ray = Ray::with_end(ray.origin(), ray.direction(), distance);
+        self.light_through(Some(&ray), distance, media)
+    }
+
+    /// Share of light that gets along a ray that begins in `media` to its end, so many metres away.
+    #[inline(always)]
+    pub fn light_along(&mut self, ray: &Ray, distance: f32, media: Media) -> Rgb {
+        if self.scene.bodies().is_empty() {
+            return Rgb::splat(self.transmittance(ray));
+        }
+        self.light_through(Some(ray), distance, media)
+    }
+
+    /// The same, where no ray is needed for points at one place.
+    #[inline(never)]
+    fn light_through(&mut self, ray: Option<&Ray>, distance: f32, media: Media) -> Rgb {
+        let bodies = self.scene.bodies();
+        let all = bodies.transmittance(media, distance);
+        let Some(ray) = ray else { return all };
+        if !bodies.have_leaks() {
+            let share = self.transmittance(ray);
+            let has_hidden_walls = |body| bodies.has_neighbours(body);
+            if share > 0.0 || !media.innermost().is_some_and(has_hidden_walls) {
+                return all * share;
+            }
+        }
+        self.light_through_walls(ray, distance, media)
+    }
+
+    /// The same, wall by wall.
+    fn light_through_walls(&mut self, ray: &Ray, distance: f32, mut media: Media) -> Rgb {
+        let bodies = self.scene.bodies();
+        let mut hits = self.all_hits(ray);
+        let length = ray.direction().length();
+        let mut light = Rgb::WHITE;
+        let mut from = 0.0;
+        while let Some(met) = self.next_met(ray, &mut hits, media) {
+            if met.crossing.is_none_or(|crossing| crossing.is_interface) {
+                light *= 1.0 - met.opacity;
+                if light.is_black() {
+                    return Rgb::BLACK;
+                }
+            }
+            if let Some(crossing) = met.crossing {
+                let to = met.hit.t * length;
+                light *= bodies.transmittance(media, to - from);
+                from = to;
+                media = crossing.across;
+            }
+        }
+        light * bodies.transmittance(media, (distance - from).max(0.0))
+    }
+
+    /// Everything on the way of a ray, the last first.
+    fn all_hits(&mut self, ray: &Ray) -> Vec<Hit> {
+        self.count_ray();
+        let mut hits = Vec::new();
+        self.scene.bvh().each_hit(ray, &mut |hit| hits.push(hit));
+        hits.sort_unstable_by(|a, b| {
+            let by_distance = b.t.total_cmp(&a.t);
+            by_distance.then(b.triangle.cmp(&a.triangle))
+        });
+        hits
+    }
+
+    /// Takes out what a ray meets next in `media`: all walls in one place together.
+    fn next_met(&self, ray: &Ray, hits: &mut Vec<Hit>, media: Media) -> Option<Met> {
+        let bodies = self.scene.bodies();
+        let direction = ray.direction();
+        loop {
+            let first = hits.pop()?;
+            let Some((wall, ng)) = self.wall(&first) else {
+                return Some(Met {
+                    hit: first,
+                    opacity: self.opacity(&first),
+                    crossing: None,
+                });
+            };
+            let is_entered = Bodies::is_entered(wall, ng, direction);
+            let reach = self.reach(&first, direction);
+            if first.t <= reach && Bodies::is_crossed(media, wall, is_entered) {
+                continue;
+            }
+            // The innermost of the walls there decides, the others go with it.
+            let mut deciding = (first, wall, is_entered);
+            let mut others: Vec<(Wall, bool)> = Vec::new();
+            let mut place = hits.len();
+            while place > 0 && hits[place - 1].t <= first.t + reach {
+                place -= 1;
+                let hit = hits[place];
+                let Some((wall, other_ng)) = self.wall(&hit) else {
+                    continue;
+                };
+                if other_ng.dot(ng).abs() < SAME_PLANE {
+                    continue;
+                }
+                hits.remove(place);
+                let is_entered = Bodies::is_entered(wall, other_ng, direction);
+                if wall.body < deciding.1.body {
+                    others.push((deciding.1, deciding.2));
+                    deciding = (hit, wall, is_entered);
+                } else if wall.body > deciding.1.body {
+                    others.push((wall, is_entered));
+                }
+            }
+            let (hit, wall, is_entered) = deciding;
+            return Some(Met {
+                hit,
+                opacity: self.opacity(&hit),
+                crossing: Some(bodies.crossing(media, (wall, is_entered), others)),
+            });
+        }
+    }
+
+    /// The wall that was hit, if it is one, with its normal.
+    #[inline]
+    fn wall(&self, hit: &Hit) -> Option<(Wall, Vec3)> {
+        let facet = self.scene.geometry().facet(hit.triangle);
+        let wall = self.scene.bodies().wall(facet.mesh)?;
+        Some((wall, facet.ng))
+    }
+
+    /// How much farther along a ray other surfaces may be hit that are in the same place, by
+    /// rounding; in lengths of its direction.
+    fn reach(&self, hit: &Hit, direction: Vec3) -> f32 {
+        let facet = self.scene.geometry().facet(hit.triangle);
+        let length = direction.length();
+        let cos = (facet.ng.dot(direction) / length).abs();
+        4.0 * facet.error() / (cos.max(0.01) * length)
+    }
+
+    /// The vertex where an interface between media was hit.
+    fn vertex_at(&self, ray: &Ray, hit: &Hit, crossing: &Crossing) -> SurfaceVertex<'a> {
+        let mut vertex = self.surface_vertex(-ray.direction(), hit);
+        vertex.across = crossing.across;
+        let [before, behind] = crossing.indices;
+        let indices = if vertex.point.ng.dot(vertex.wo) > 0.0 {
+            [before, behind]
+        } else {
+            [behind, before]
+        };
+        self.put_between(&mut vertex, indices);
+        vertex
+    }
+
+    /// Puts a surface between media of two indices of refraction, given by their numbers: in front
+    /// of it and behind.
+    pub(super) fn put_between(&self, vertex: &mut SurfaceVertex<'_>, indices: [u8; 2]) {
+        vertex.indices = indices;
+        let [front, behind] = indices.map(|number| self.scene.bodies().index(number));
+        match &mut vertex.bsdf {
+            Bsdf::Dielectric(glass) if glass.walls == Walls::Solid => glass.ior = behind / front,
+            Bsdf::Mix(mix) if mix.glass.walls == Walls::Solid => mix.glass.ior = behind / front,
+            _ => {}
         }
     }
 }

@@ -7,7 +7,6 @@ pub mod reflection;
 mod tracer;
 mod vertex;
 
-pub use medium::Medium;
 pub use tracer::Tracer;
 pub(crate) use tracer::are_apart;
 pub use vertex::{Densities, Scattering, SurfaceVertex, VertexSample};

@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use super::{Medium, SurfaceVertex, Tracer, VertexSample};
+use super::{SurfaceVertex, Tracer, VertexSample};
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::LightSample;
 use crate::endpoint::{Aim, LightChoice, Receiver};
@@ -15,6 +15,7 @@ use crate::radiometry::Rgb;
 use crate::radiometry::measure::pdf_w_from_pdf_a;
 use crate::sampling::Sampler;
 use crate::sampling::mis::power_heuristic;
+use crate::scene::bodies::Media;
 
 /// Light aimed at from a vertex, before anything is known of what is in between.
 #[derive(Clone, Copy, Debug)]
@@ -48,23 +49,21 @@ pub fn start_sample(sampler: &mut Sampler<'_>) -> LightSample {
     }
 }
 
-/// Aims at one light and looks whether it is seen; `None` if no light comes this way.
+/// Aims at one light from a vertex reached through `media`, and looks whether it is seen; `None` if
+/// no light comes this way.
 #[inline(always)]
 pub fn aim_at_light(
     tracer: &mut Tracer<'_>,
     vertex: &SurfaceVertex<'_>,
-    medium: Medium,
+    media: Media,
     choice: LightChoice,
     u: &LightSample,
 ) -> Option<Aimed> {
     aim_unshadowed(tracer, vertex, choice, u).and_then(|(aimed, aim)| {
-        let share = tracer.visibility(&vertex.point, &aim);
-        if share <= 0.0 {
-            return None;
-        }
-        let through = medium.beyond(vertex, aim.wi);
-        Some(Aimed {
-            value: aimed.value * through.transmittance(aim.distance) * share,
+        let media = vertex.media_towards(aim.wi, media);
+        let light = tracer.light_to(&vertex.point, &aim, media);
+        (!light.is_black()).then(|| Aimed {
+            value: aimed.value * light,
             ..aimed
         })
     })

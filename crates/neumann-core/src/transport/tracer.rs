@@ -12,6 +12,7 @@ use crate::math::ray::offset_point;
 use crate::math::{Frame, Ray};
 use crate::radiometry::Rgb;
 use crate::scene::Scene;
+use crate::scene::bodies::Media;
 use crate::scene::geometry::{Facet, PlacedMesh, interpolate};
 
 /// Sets of texture coordinates that are read at a vertex.
@@ -25,6 +26,8 @@ pub struct Tracer<'a> {
     /// The scene.
     pub scene: &'a Scene,
     n_rays: u64,
+    /// Where a ray last left the camera, and what is there.
+    pub(super) eye: Option<(Vec3, Media)>,
 }
 
 /// What a mesh says at a point, read out of its arrays.
@@ -54,7 +57,16 @@ impl<'a> Tracer<'a> {
     /// A tracer that has counted no rays yet.
     #[must_use]
     pub fn new(scene: &'a Scene) -> Self {
-        Self { scene, n_rays: 0 }
+        Self {
+            scene,
+            n_rays: 0,
+            eye: None,
+        }
+    }
+
+    /// Counts a ray that is traced elsewhere.
+    pub(super) fn count_ray(&mut self) {
+        self.n_rays += 1;
     }
 
     /// Rays traced so far.
@@ -118,23 +130,13 @@ impl<'a> Tracer<'a> {
     /// in the way.
     #[inline]
     pub fn visibility(&mut self, from: &SurfacePoint, aim: &Aim) -> f32 {
-        let origin = from.off_surface(aim.wi);
-        let ray = match &aim.surface {
-            Some(point) => segment(origin, point.off_surface(-aim.wi)),
-            None if aim.distance.is_finite() => {
-                segment(origin, from.position + aim.wi * aim.distance)
-            }
-            None => Some(Ray::new(origin, aim.wi)),
-        };
-        ray.map_or(1.0, |ray| self.transmittance(&ray))
+        shadow_ray(from, aim).map_or(1.0, |ray| self.transmittance(&ray))
     }
 
     /// Share of light that gets from one point of a surface to another.
     #[inline]
     pub fn visibility_between(&mut self, from: &SurfacePoint, to: &SurfacePoint) -> f32 {
-        let towards = to.position - from.position;
-        let (origin, target) = (from.off_surface(towards), to.off_surface(-towards));
-        segment(origin, target).map_or(1.0, |ray| self.transmittance(&ray))
+        shadow_ray_between(from, to).map_or(1.0, |ray| self.transmittance(&ray))
     }
 
     /// Share of light that gets along the ray to its end.
@@ -204,6 +206,23 @@ impl<'a> Tracer<'a> {
         self.surface_vertex(wo, &hit)
     }
 
+    /// The same between media whose indices of refraction have these numbers
+    /// ([`SurfaceVertex::indices`]).
+    #[inline]
+    pub(crate) fn surface_between(
+        &self,
+        triangle: u32,
+        barycentrics: [f32; 2],
+        wo: Vec3,
+        indices: [u8; 2],
+    ) -> SurfaceVertex<'a> {
+        let mut vertex = self.surface_at(triangle, barycentrics, wo);
+        if indices != [0; 2] {
+            self.put_between(&mut vertex, indices);
+        }
+        vertex
+    }
+
     /// The surface where a ray that came against `wo` was stopped.
     #[inline(always)]
     #[must_use]
@@ -229,6 +248,8 @@ impl<'a> Tracer<'a> {
                 opacity,
                 triangle: hit.triangle,
                 barycentrics: hit.barycentrics,
+                across: Media::VACUUM,
+                indices: [0; 2],
             }
         };
         match material.uniform_bsdf() {
@@ -291,7 +312,7 @@ impl<'a> Tracer<'a> {
         None
     }
 
-    fn opacity(&self, hit: &Hit) -> f32 {
+    pub(super) fn opacity(&self, hit: &Hit) -> f32 {
         let geometry = self.scene.geometry();
         let facet = geometry.facet(hit.triangle);
         let mesh = &geometry.meshes()[facet.mesh as usize];
@@ -311,6 +332,24 @@ impl<'a> Tracer<'a> {
         let t_max = ray.t_max() - distance_along(ray, ray.origin(), origin);
         Ray::with_end(origin, ray.direction(), t_max)
     }
+}
+
+/// The ray from a surface to what was aimed at, if they are apart.
+#[inline(always)]
+pub(super) fn shadow_ray(from: &SurfacePoint, aim: &Aim) -> Option<Ray> {
+    let origin = from.off_surface(aim.wi);
+    match &aim.surface {
+        Some(point) => segment(origin, point.off_surface(-aim.wi)),
+        None if aim.distance.is_finite() => segment(origin, from.position + aim.wi * aim.distance),
+        None => Some(Ray::new(origin, aim.wi)),
+    }
+}
+
+/// The ray from one point of a surface to another, if they are apart.
+#[inline(always)]
+pub(super) fn shadow_ray_between(from: &SurfacePoint, to: &SurfacePoint) -> Option<Ray> {
+    let towards = to.position - from.position;
+    segment(from.off_surface(towards), to.off_surface(-towards))
 }
 
 /// How much further one point is than another along a ray, in lengths of its direction.
@@ -422,7 +461,7 @@ fn tangent_from_uvs(mesh: &PlacedMesh, vertices: [usize; 3], facet: &Facet, set:
 /// A number in [0, 1) that depends on the ray and the triangle alone: whether a half-transparent
 /// surface stops a ray is decided without a random stream of its own, and the same ray is
 /// decided alike wherever it is traced again.
-fn chance(ray: &Ray, triangle: u32) -> f32 {
+pub(super) fn chance(ray: &Ray, triangle: u32) -> f32 {
     let mut h = u64::from(triangle) ^ 0x9e37_79b9_7f4a_7c15;
     let (o, d) = (ray.origin(), ray.direction());
     for x in [o.x, o.y, o.z, d.x, d.y, d.z] {

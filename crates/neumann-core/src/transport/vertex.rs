@@ -13,6 +13,7 @@ use crate::endpoint::{Receiver, SurfacePoint};
 use crate::material::Material;
 use crate::math::{Frame, Ray};
 use crate::radiometry::Rgb;
+use crate::scene::bodies::Media;
 
 /// A point of a surface that a ray has met, with all that a walk needs to go on.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +38,10 @@ pub struct SurfaceVertex<'a> {
     pub triangle: u32,
     /// Barycentric coordinates of the second and third corner.
     pub barycentrics: [f32; 2],
+    /// What is on the side that the vertex was not reached from.
+    pub across: Media,
+    /// Of a wall between media, the numbers of the indices of refraction in front and behind.
+    pub(crate) indices: [u8; 2],
 }
 
 /// A direction drawn at a vertex.

@@ -3,11 +3,13 @@
 
 use super::weights::{EndDensities, JointDensities};
 use super::{Vertex, Walk, Weighing};
+use crate::accel::Hit;
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::LightSample;
 use crate::endpoint::{Aim, Camera, LightChoice, Start, StartDensities};
 use crate::film::{Contribution, Strategy};
 use crate::radiometry::Rgb;
+use crate::scene::bodies::Media;
 use crate::transport::Tracer;
 use glam::{Vec2, Vec3};
 
@@ -144,11 +146,13 @@ pub(super) fn splat_unshadowed(
     })
 }
 
-/// t = 0: a light subpath meets a lens of finite size nearer than what it meets else.
+/// t = 0: a light subpath meets a lens of finite size nearer than what it meets else: `found`, if
+/// media are not asked.
 pub fn hit_lens(
+    tracer: &mut Tracer<'_>,
     camera: &Camera,
     walk: &Walk,
-    distance: f32,
+    found: Option<&Hit>,
     n_light_paths: usize,
     weighing: &Weighing,
 ) -> Option<(Vec2, Contribution)> {
@@ -156,13 +160,15 @@ pub fn hit_lens(
     if walk.n_vertices < 2 {
         return None;
     }
-    let lens = camera.hit_lens(&walk.ray, distance)?;
+    // What was found may be a wall that is not there for light in these media.
+    let nearest = found.filter(|_| !tracer.scene.bodies().have_hidden_walls());
+    let nearest = nearest.map_or(f32::INFINITY, |hit| hit.t);
+    let lens = camera.hit_lens(&walk.ray, nearest)?;
+    let light = tracer.light_before(&walk.ray, lens.distance, walk.media);
     let distance_squared = lens.distance * lens.distance;
     let partial = weighing.arrive(walk.partial, distance_squared, lens.cos);
     let mis_weight = weighing.lens(partial, &lens);
-    let value = walk.throughput
-        * walk.medium.transmittance(lens.distance)
-        * (lens.importance / n_light_paths as f32);
+    let value = walk.throughput * light * (lens.importance / n_light_paths as f32);
     let strategy = Strategy::lens(walk.n_vertices + 1);
     Some((lens.raster, contribution(value, mis_weight, strategy)))
 }
@@ -177,16 +183,16 @@ pub fn connect(
 ) -> Option<Contribution> {
     let joint = connect_unshadowed(camera, light, weighing)?;
     let from = &camera.surface;
-    let share = tracer.visibility_between(&from.point, &light.surface.point);
-    if share <= 0.0 {
-        return None;
-    }
-    let through = camera.medium.beyond(from, joint.wi);
-    Some(contribution(
-        joint.value * through.transmittance(joint.distance) * share,
-        joint.mis_weight,
-        Strategy::connect(light.n_vertices, camera.n_vertices),
-    ))
+    let media = from.media_towards(joint.wi, camera.media);
+    let to = &light.surface.point;
+    let through = tracer.light_between(&from.point, to, joint.distance, media);
+    (!through.is_black()).then(|| {
+        contribution(
+            joint.value * through,
+            joint.mis_weight,
+            Strategy::connect(light.n_vertices, camera.n_vertices),
+        )
+    })
 }
 
 /// Two vertices connected, as if nothing were in between.
@@ -236,12 +242,10 @@ pub(super) fn connect_unshadowed(
 /// Share of light that gets from a vertex to what it aims at; `None` for none.
 #[inline]
 fn seen(tracer: &mut Tracer<'_>, vertex: &Vertex<'_>, aim: &Aim) -> Option<Rgb> {
-    let share = tracer.visibility(&vertex.surface.point, aim);
-    if share <= 0.0 {
-        return None;
-    }
-    let through = vertex.medium.beyond(&vertex.surface, aim.wi);
-    Some(through.transmittance(aim.distance) * share)
+    let surface = &vertex.surface;
+    let media = surface.media_towards(aim.wi, vertex.media);
+    let light = tracer.light_to(&surface.point, aim, media);
+    (!light.is_black()).then_some(light)
 }
 
 #[inline]
@@ -254,11 +258,13 @@ pub(super) fn contribution(value: Rgb, mis_weight: f32, strategy: Strategy) -> C
     }
 }
 
-/// t = 1, s = 1: what a light emits towards the lens, seen directly. `None` for lights without extent.
+/// t = 1, s = 1: what a light in `media` emits towards the lens, seen directly. `None` for lights
+/// without extent.
 pub fn see_light(
     tracer: &mut Tracer<'_>,
     camera: &Camera,
     start: &Start,
+    media: Media,
     u: [f32; 2],
     n_light_paths: usize,
 ) -> Option<(Vec2, Contribution)> {
@@ -267,7 +273,7 @@ pub fn see_light(
         let (_, light) = lights.of_triangle(triangle)?;
         let radiance = |wo| light.radiance(barycentrics, wo);
         let (raster, value, aim) = see_panel_unshadowed(camera, start, u, radiance)?;
-        (raster, value * tracer.visibility(&start.point(), &aim))
+        (raster, value * tracer.light_to(&start.point(), &aim, media))
     } else if start.is_delta_position || start.is_delta_direction {
         return None;
     } else {
@@ -276,7 +282,9 @@ pub fn see_light(
         // The density of its position is that of the disk across the scene, which plays no part here.
         let pdf_w = lights.pmf_start(start.light) * start.densities.pdf_w;
         let value = start.value * (importance / pdf_w);
-        (raster, value * tracer.transmittance(&ray))
+        let media = tracer.media_at_camera(&ray);
+        let light = tracer.light_along(&ray, f32::INFINITY, media);
+        (raster, value * light)
     };
     let strategy = Strategy::connect(1, 1);
     (!value.is_black()).then(|| {

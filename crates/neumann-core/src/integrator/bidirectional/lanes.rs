@@ -9,7 +9,7 @@ use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
 use crate::radiometry::RgbLanes;
 use crate::sampling::roulette;
 use crate::scene::Scene;
-use crate::transport::Medium;
+use crate::scene::bodies::Media;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
 
 use super::walk::of_first;
@@ -134,7 +134,7 @@ impl WalkLanes<'_> {
             throughput: self.common.throughput(lane),
             initial: self.initial.get(lane),
             partial: self.partial.get(lane),
-            medium: self.common.media[lane],
+            media: self.common.media[lane],
             n_vertices: self.common.bounce(lane) as u16 + 1,
             receiver: is(self.has_receiver)
                 .then(|| Receiver::new(position, normal, is(self.has_both_sides))),
@@ -148,7 +148,7 @@ impl WalkLanes<'_> {
     pub(super) fn set(&mut self, lane: usize, walk: &Walk) {
         let bounce = u32::from(walk.n_vertices) - 1;
         self.common
-            .set(lane, &walk.ray, walk.throughput, walk.medium, bounce);
+            .set(lane, &walk.ray, walk.throughput, walk.media, bounce);
         self.initial.set(lane, walk.initial);
         self.partial.set(lane, walk.partial);
         self.lights[lane] = walk.light.map(|light| light as u32);
@@ -252,7 +252,7 @@ impl<'a> VertexLanes<'a> {
             surface: self.surfaces.vertex(lane),
             throughput: self.throughput.get(lane),
             partial: self.partial.get(lane),
-            medium: Medium::VACUUM,
+            media: Media::VACUUM,
             n_vertices,
         }
     }

@@ -124,8 +124,8 @@ impl<'a> LightSubpath<'a> {
         let diffuse = &self.n_vertices[..self.n_diffuse];
         let n = diffuse.partition_point(|n_vertices| is_short(*n_vertices));
         if let Bsdf::Lambert(lambert) = camera.surface.bsdf
-            && camera.medium.is_vacuum()
-            && camera.surface.material.absorption().is_none()
+            && camera.media.is_vacuum()
+            && !tracer.scene.bodies().have_leaks()
         {
             if n > 0 {
                 let joined = &mut self.joined;
@@ -261,7 +261,7 @@ mod tests {
                     let Some(start) = scene.lights().start(&start_sample(&mut sampler)) else {
                         continue;
                     };
-                    let walk = Walk::from_light(&start, &weighing);
+                    let walk = Walk::from_light(&start, &mut tracer, &weighing);
                     light_subpath.clear();
                     let lights = subpath(walk, &mut tracer, &mut sampler, &weighing);
                     for light in &lights {
@@ -269,7 +269,8 @@ mod tests {
                     }
                     let mut sampler = Sampler::new(32, i, 0);
                     let raster = sampler.next_2d().into();
-                    let walk = Walk::from_camera(&camera, raster, sampler.next_2d(), &weighing);
+                    let u = sampler.next_2d();
+                    let walk = Walk::from_camera(&camera, raster, u, &mut tracer, &weighing);
                     for vertex in subpath(walk, &mut tracer, &mut sampler, &weighing) {
                         let mut found: Vec<Contribution> = Vec::new();
                         let mut add = |_, c| found.push(c);

@@ -45,7 +45,7 @@ impl Integrator for OneByOne {
             numbers,
             |starts, tracer, sink, kept| {
                 for (number, mut sampler) in starts.enumerate() {
-                    let mut next = light.start(&mut sampler);
+                    let mut next = light.start(tracer, &mut sampler);
                     while let Some(mut walk) = next.take() {
                         let found = tracer.hit(&walk.ray);
                         let keep = |vertex| kept.push((number as u32, vertex));
@@ -81,7 +81,7 @@ impl Integrator for OneByOne {
                     lights.push(&vertex.restored(tracer));
                 }
                 let sampler = &mut pixel.sampler;
-                let mut walk = camera.start(pixel.sample, sampler);
+                let mut walk = camera.start(pixel.sample, tracer, sampler);
                 loop {
                     let found = tracer.hit(&walk.ray);
                     let (found, mut met) = (found.as_ref(), None);

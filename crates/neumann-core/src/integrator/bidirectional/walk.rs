@@ -13,7 +13,8 @@ use crate::math::Ray;
 use crate::photons::Photon;
 use crate::radiometry::Rgb;
 use crate::sampling::{Sampler, roulette};
-use crate::transport::{Medium, SurfaceVertex, Tracer};
+use crate::scene::bodies::Media;
+use crate::transport::{SurfaceVertex, Tracer};
 
 /// A vertex of a subpath, on a surface.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +26,7 @@ pub struct Vertex<'a> {
     /// What the weights need to know of the subpath.
     pub partial: Partial,
     /// What the subpath came through.
-    pub medium: Medium,
+    pub media: Media,
     /// Vertices of the subpath, this one and the endpoint included.
     pub n_vertices: u16,
 }
@@ -41,6 +42,7 @@ impl Vertex<'_> {
             wo: self.surface.wo,
             power: self.throughput,
             n_vertices: self.n_vertices,
+            indices: self.surface.indices,
         }
     }
 }
@@ -71,7 +73,7 @@ pub struct Walk {
     /// The running quantities, without the geometry of the next segment.
     pub partial: Partial,
     /// What the next segment runs through.
-    pub medium: Medium,
+    pub media: Media,
     /// Vertices so far.
     pub n_vertices: u16,
     /// The latest vertex, as lights see it; nothing at the start.
@@ -87,7 +89,13 @@ impl Walk {
     /// A subpath that starts at a point of the raster, and of the lens.
     #[inline]
     #[must_use]
-    pub fn from_camera(camera: &Camera, raster: Vec2, u: [f32; 2], weighing: &Weighing) -> Self {
+    pub fn from_camera(
+        camera: &Camera,
+        raster: Vec2,
+        u: [f32; 2],
+        tracer: &mut Tracer<'_>,
+        weighing: &Weighing,
+    ) -> Self {
         let start = camera.ray(raster, u);
         Self {
             mode: TransportMode::Radiance,
@@ -95,7 +103,7 @@ impl Walk {
             throughput: Rgb::WHITE,
             initial: 1.0,
             partial: weighing.of_camera(&start),
-            medium: Medium::VACUUM,
+            media: tracer.media_at_camera(&start.ray),
             n_vertices: 1,
             receiver: None,
             light: None,
@@ -106,7 +114,7 @@ impl Walk {
 
     /// A subpath that starts at a light.
     #[must_use]
-    pub fn from_light(start: &Start, weighing: &Weighing) -> Self {
+    pub fn from_light(start: &Start, tracer: &mut Tracer<'_>, weighing: &Weighing) -> Self {
         let throughput = start.throughput();
         Self {
             mode: TransportMode::Importance,
@@ -114,11 +122,11 @@ impl Walk {
             throughput,
             initial: throughput.max_channel(),
             partial: weighing.of_light(start),
-            medium: Medium::VACUUM,
+            media: tracer.media_at_light(start),
             n_vertices: 1,
             receiver: None,
             light: Some(start.light),
-            comes_from_infinity: matches!(start.spread, Spread::Parallel { .. }),
+            comes_from_infinity: start.is_at_infinity(),
             is_specular: true,
         }
     }
@@ -126,20 +134,20 @@ impl Walk {
     /// Goes along the segment to the next vertex; `None` where it leaves the scene.
     #[inline(always)]
     pub fn meet<'a>(&mut self, tracer: &mut Tracer<'a>, weighing: &Weighing) -> Option<Vertex<'a>> {
-        let found = tracer.hit(&self.ray)?;
-        Some(self.arrive(&found, tracer, weighing))
+        let found = tracer.hit(&self.ray);
+        self.arrive(found.as_ref(), tracer, weighing)
     }
 
-    /// Goes along the segment to what it meets.
+    /// The same where it is known already what the segment meets if media are not asked.
     #[inline(always)]
     pub(super) fn arrive<'a>(
         &mut self,
-        found: &Hit,
-        tracer: &Tracer<'a>,
+        found: Option<&Hit>,
+        tracer: &mut Tracer<'a>,
         weighing: &Weighing,
-    ) -> Vertex<'a> {
-        let surface = tracer.surface_vertex(-self.ray.direction(), found);
-        self.throughput *= self.medium.transmittance(surface.distance);
+    ) -> Option<Vertex<'a>> {
+        let ray = self.ray;
+        let surface = tracer.arrive(&ray, found, &mut self.media, &mut self.throughput)?;
         if weighing.has_others() {
             let d2 = if self.comes_from_infinity {
                 1.0
@@ -154,13 +162,13 @@ impl Walk {
         }
         self.comes_from_infinity = false;
         self.n_vertices += 1;
-        Vertex {
+        Some(Vertex {
             surface,
             throughput: self.throughput,
             partial: self.partial,
-            medium: self.medium,
+            media: self.media,
             n_vertices: self.n_vertices,
-        }
+        })
     }
 
     /// Scattering events that lead to the latest vertex.
@@ -204,7 +212,7 @@ impl Walk {
         }
         self.is_specular &= sample.is_delta;
         self.receiver = Some(vertex.surface.receiver());
-        self.medium = self.medium.beyond(&vertex.surface, sample.wi);
+        self.media = vertex.surface.media_towards(sample.wi, self.media);
         self.ray = vertex.surface.ray(sample.wi);
         true
     }

@@ -12,8 +12,9 @@ use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
 use crate::radiometry::{Rgb, RgbLanes};
 use crate::render::{LightPaths, Sink};
 use crate::sampling::{Sampler, roulette};
+use crate::scene::bodies::Media;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
-use crate::transport::{Medium, Tracer, are_apart};
+use crate::transport::{Tracer, are_apart};
 
 use super::{MODE, Path, Walk, see_unshadowed, splat};
 
@@ -125,7 +126,7 @@ impl Paths {
         let path = Path {
             ray: self.common.rays.get(lane),
             throughput: self.common.throughput(lane),
-            medium: self.common.media[lane],
+            media: self.common.media[lane],
             bounce: self.common.bounce(lane),
             power: self.power.get(lane),
         };
@@ -139,12 +140,12 @@ impl Paths {
     fn set(&mut self, lane: usize, path: &Path) {
         let Path {
             throughput,
-            medium,
+            media,
             bounce,
             power,
             ..
         } = *path;
-        self.common.set(lane, &path.ray, throughput, medium, bounce);
+        self.common.set(lane, &path.ray, throughput, media, bounce);
         self.power.set(lane, power);
     }
 }
@@ -174,11 +175,15 @@ struct Sight {
 }
 
 impl Starts {
-    /// Chooses the light of a lane's particle; false if it is no plain triangle.
+    /// Chooses the light of a lane's particle; false if it is no plain triangle, or may be within a
+    /// body.
     fn choose(&mut self, walk: &Walk<'_>, lane: usize, sampler: &Sampler<'_>) -> bool {
         // In the order in which a start by itself draws them.
         let [direction, choice, point, lens] = sampler.start_pairs();
         let lights = walk.scene.lights();
+        if walk.scene.bodies().hold_lights() {
+            return false;
+        }
         let Some((index, pmf)) = lights.choose_start(choice[0]) else {
             return false;
         };
@@ -219,7 +224,7 @@ impl Starts {
             let path = Path {
                 ray: Ray::new(self.origin.get(lane), self.direction.get(lane)),
                 throughput: power,
-                medium: Medium::VACUUM,
+                media: Media::VACUUM,
                 bounce: 0,
                 power: power.max_channel(),
             };

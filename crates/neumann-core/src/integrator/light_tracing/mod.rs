@@ -22,8 +22,9 @@ use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass, Sink};
 use crate::sampling::{Sampler, roulette};
 use crate::scene::Scene;
+use crate::scene::bodies::Media;
 use crate::transport::reflection::start_sample;
-use crate::transport::{Medium, SurfaceVertex, Tracer};
+use crate::transport::{SurfaceVertex, Tracer};
 
 /// The row of the registry.
 pub static METHOD: Method = Method {
@@ -92,7 +93,7 @@ struct Walk<'a> {
 struct Path {
     ray: Ray,
     throughput: Rgb,
-    medium: Medium,
+    media: Media,
     /// Scattering events so far.
     bounce: u32,
     /// The largest channel of the power that it started with.
@@ -109,14 +110,16 @@ impl Walk<'_> {
     ) -> Option<Path> {
         let start = self.scene.lights().start(&start_sample(sampler))?;
         let u = lens_sample(sampler);
-        if let Some((raster, seen)) = see_light(tracer, self.camera, &start, u, self.n_paths) {
+        let media = tracer.media_at_light(&start);
+        let seen = see_light(tracer, self.camera, &start, media, u, self.n_paths);
+        if let Some((raster, seen)) = seen {
             sink.splat(raster, seen);
         }
         let power = start.throughput();
         (self.max_bounces > 0).then(|| Path {
             ray: start.ray(),
             throughput: power,
-            medium: Medium::VACUUM,
+            media,
             bounce: 0,
             power: power.max_channel(),
         })
@@ -131,15 +134,16 @@ impl Walk<'_> {
         sampler: &mut Sampler<'_>,
         sink: &mut Sink<'_>,
     ) -> Option<Path> {
-        let (bounce, medium) = (path.bounce, path.medium);
-        let vertex = tracer.surface_vertex(-path.ray.direction(), found?);
-        path.throughput *= medium.transmittance(vertex.distance);
+        let bounce = path.bounce;
+        let ray = path.ray;
+        let vertex = tracer.arrive(&ray, found, &mut path.media, &mut path.throughput)?;
+        let media = path.media;
 
         // What scatters there, seen by the lens.
         sampler.start_bounce(bounce);
         if vertex.bsdf.has_density() {
             let u = lens_sample(sampler);
-            if let Some(seen) = see_vertex(tracer, self.camera, &vertex, medium, u) {
+            if let Some(seen) = see_vertex(tracer, self.camera, &vertex, media, u) {
                 let value = path.throughput * seen.share / self.n_paths as f32;
                 sink.splat(seen.raster, splat(bounce + 1, value));
             }
@@ -155,7 +159,7 @@ impl Walk<'_> {
             let relative = path.throughput / path.power;
             path.throughput *= roulette::play(bounce, relative, sampler)?;
         }
-        path.medium = medium.beyond(&vertex, sample.wi);
+        path.media = vertex.media_towards(sample.wi, media);
         path.ray = vertex.ray(sample.wi);
         path.bounce += 1;
         (path.bounce < self.max_bounces).then_some(path)
@@ -171,23 +175,20 @@ struct Seen {
     share: Rgb,
 }
 
-/// Aims at the lens from a vertex that was reached through a medium; `None` if nothing gets there.
+/// Aims at the lens from a vertex that was reached through `media`; `None` if nothing gets there.
 #[inline]
 fn see_vertex(
     tracer: &mut Tracer<'_>,
     camera: &Camera,
     vertex: &SurfaceVertex<'_>,
-    medium: Medium,
+    media: Media,
     u: [f32; 2],
 ) -> Option<Seen> {
     let (seen, aim) = see_unshadowed(camera, vertex, u)?;
-    let visibility = tracer.visibility(&vertex.point, &aim);
-    if visibility <= 0.0 {
-        return None;
-    }
-    let through = medium.beyond(vertex, aim.wi).transmittance(aim.distance);
-    Some(Seen {
-        share: seen.share * through * visibility,
+    let media = vertex.media_towards(aim.wi, media);
+    let light = tracer.light_to(&vertex.point, &aim, media);
+    (!light.is_black()).then(|| Seen {
+        share: seen.share * light,
         ..seen
     })
 }

@@ -41,7 +41,7 @@ pub(super) fn trace(
                 continue;
             }
             match pixels.next() {
-                Some(pixel) => paths.start(walk, lane, pixel, camera),
+                Some(pixel) => paths.start(walk, lane, pixel, camera, tracer),
                 None => break,
             }
         }
@@ -95,14 +95,22 @@ struct DrawnLanes {
 }
 
 impl<'t> Paths<'t> {
-    fn start(&mut self, walk: &Walk<'_>, lane: usize, pixel: PixelPath<'t>, camera: &Camera) {
+    fn start(
+        &mut self,
+        walk: &Walk<'_>,
+        lane: usize,
+        pixel: PixelPath<'t>,
+        camera: &Camera,
+        tracer: &mut Tracer<'_>,
+    ) {
         self.common.samplers[lane] = pixel.sampler;
         self.places[lane] = pixel.place;
         if walk.splits {
             self.splits[lane] = Some(pixel.splits);
         }
         let u = self.common.samplers[lane].next_2d();
-        self.set(lane, &Path::new(camera.ray(pixel.sample.raster, u).ray));
+        let ray = camera.ray(pixel.sample.raster, u).ray;
+        self.set(lane, &Path::new(ray, tracer));
     }
 
     fn set_split(&mut self, lane: usize, split: Split<'t>) {
@@ -152,7 +160,7 @@ impl<'t> Paths<'t> {
         Path {
             ray: self.common.rays.get(lane),
             throughput: self.common.throughput(lane),
-            medium: self.common.media[lane],
+            media: self.common.media[lane],
             bounce: self.common.bounce(lane),
             n_events: self.n_events.get(lane),
             drawn: (pdf_w > 0.0).then(|| Drawn {
@@ -170,11 +178,11 @@ impl<'t> Paths<'t> {
     fn set(&mut self, lane: usize, path: &Path) {
         let Path {
             throughput,
-            medium,
+            media,
             bounce,
             ..
         } = *path;
-        self.common.set(lane, &path.ray, throughput, medium, bounce);
+        self.common.set(lane, &path.ray, throughput, media, bounce);
         self.n_events.set(lane, path.n_events);
         let drawn = &mut self.drawn;
         drawn.pdf_w.set(lane, path.drawn.map_or(0.0, |d| d.pdf_w));
@@ -431,7 +439,8 @@ mod tests {
                 for mut pixel in pixels {
                     sink.start_pixel(pixel.place);
                     let u = pixel.sampler.next_2d();
-                    let path = Path::new(camera.ray(pixel.sample.raster, u).ray);
+                    let ray = camera.ray(pixel.sample.raster, u).ray;
+                    let path = Path::new(ray, tracer);
                     let mut next = vec![(path, pixel.sampler)];
                     while let Some((path, mut sampler)) = next.pop() {
                         let found = tracer.hit(&path.ray);

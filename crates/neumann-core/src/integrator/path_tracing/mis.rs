@@ -16,10 +16,11 @@ use crate::math::Ray;
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass, Sink};
 use crate::sampling::{Sampler, roulette};
+use crate::scene::bodies::Media;
 use crate::scene::{Caster, Scene};
 use crate::transport::casters::Cones;
 use crate::transport::reflection::{Drawn, aim_at_light, light_sample};
-use crate::transport::{Medium, SurfaceVertex, Tracer};
+use crate::transport::{SurfaceVertex, Tracer};
 
 use super::abreast;
 use super::adaptive::{ADAPTIVE, Adaptive};
@@ -129,7 +130,7 @@ pub(super) const N_SPLITS: u8 = 2;
 pub(super) struct Path {
     pub(super) ray: Ray,
     pub(super) throughput: Rgb,
-    pub(super) medium: Medium,
+    pub(super) media: Media,
     /// Scattering events so far,
     pub(super) bounce: u32,
     /// and those of them that were not at delta lobes.
@@ -140,11 +141,11 @@ pub(super) struct Path {
 
 impl Path {
     /// A path that leaves the camera.
-    pub(super) fn new(ray: Ray) -> Self {
+    pub(super) fn new(ray: Ray, tracer: &mut Tracer<'_>) -> Self {
         Self {
             ray,
             throughput: Rgb::WHITE,
-            medium: Medium::VACUUM,
+            media: tracer.media_at_camera(&ray),
             bounce: 0,
             n_events: 0,
             drawn: None,
@@ -195,9 +196,10 @@ impl Walk<'_> {
         tracer: &mut Tracer<'s>,
         sink: &mut Sink<'_>,
     ) -> Option<(Path, SurfaceVertex<'s>)> {
-        let (bounce, medium) = (path.bounce, path.medium);
+        let bounce = path.bounce;
         // What does the ray meet? Nothing: the environment emits.
-        let Some(found) = found else {
+        let ray = path.ray;
+        let Some(vertex) = tracer.arrive(&ray, found, &mut path.media, &mut path.throughput) else {
             let direction = path.ray.direction();
             let radiance = self.scene.lights().environment_radiance(direction);
             if !radiance.is_black() {
@@ -208,8 +210,6 @@ impl Walk<'_> {
             }
             return None;
         };
-        let vertex = tracer.surface_vertex(-path.ray.direction(), found);
-        path.throughput *= medium.transmittance(vertex.distance);
         if bounce == 0 {
             add_unlit(tracer, &vertex, sink);
         }
@@ -232,7 +232,7 @@ impl Walk<'_> {
         sampler: &mut Sampler<'_>,
         sink: &mut Sink<'_>,
     ) -> Option<Path> {
-        let (bounce, medium) = (path.bounce, path.medium);
+        let (bounce, media) = (path.bounce, path.media);
 
         // Draw a direction from the BSDF, or towards a mirror or glass.
         let cones = Cones::seen_from(vertex, self.casters);
@@ -245,7 +245,7 @@ impl Walk<'_> {
         // The next event, aimed at, against running into it.
         if vertex.bsdf.has_density() {
             let u = light_sample(sampler);
-            if let Some(aimed) = aim_at_light(tracer, vertex, medium, self.choice, &u) {
+            if let Some(aimed) = aim_at_light(tracer, vertex, media, self.choice, &u) {
                 let value = path.throughput * aimed.value;
                 let aimed = cones.map_or(aimed, |cones| cones.beside(aimed));
                 sink.add(connect(bounce + 1, value, aimed.mis_weight()));
@@ -264,7 +264,7 @@ impl Walk<'_> {
             }
             path.n_events += 1;
         }
-        path.medium = medium.beyond(vertex, sample.wi);
+        path.media = vertex.media_towards(sample.wi, media);
         path.ray = vertex.ray(sample.wi);
         path.bounce += 1;
         Some(path)

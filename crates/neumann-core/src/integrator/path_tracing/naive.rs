@@ -16,7 +16,6 @@ use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass};
 use crate::sampling::warp;
 use crate::scene::Scene;
-use crate::transport::Medium;
 
 use super::{add_unlit, hit};
 
@@ -48,15 +47,14 @@ impl Integrator for Naive {
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
             let mut ray = camera.ray(raster, sampler.next_2d()).ray;
             let mut throughput = Rgb::WHITE;
-            let mut medium = Medium::VACUUM;
+            let mut media = tracer.media_at_camera(&ray);
             for bounce in 0..=max_bounces {
                 // What does the ray meet? Nothing: the environment emits.
-                let Some(vertex) = tracer.vertex(&ray) else {
+                let Some(vertex) = tracer.meet(&ray, &mut media, &mut throughput) else {
                     let radiance = scene.lights().environment_radiance(ray.direction());
                     sink.add(hit(bounce, throughput * radiance, 1.0));
                     return;
                 };
-                throughput *= medium.transmittance(vertex.distance);
                 if bounce == 0 {
                     add_unlit(tracer, &vertex, sink);
                 }
@@ -84,7 +82,7 @@ impl Integrator for Naive {
                 if throughput.is_black() {
                     return;
                 }
-                medium = medium.beyond(&vertex, wi);
+                media = vertex.media_towards(wi, media);
                 ray = vertex.ray(wi);
             }
         })

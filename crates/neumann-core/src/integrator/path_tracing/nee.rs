@@ -10,7 +10,6 @@ use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterV
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass};
 use crate::scene::Scene;
-use crate::transport::Medium;
 use crate::transport::reflection::{aim_at_light, light_sample};
 
 use super::bsdf::{MODE, bsdf_numbers};
@@ -65,18 +64,17 @@ impl Integrator for NextEvent {
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
             let mut ray = camera.ray(raster, sampler.next_2d()).ray;
             let mut throughput = Rgb::WHITE;
-            let mut medium = Medium::VACUUM;
+            let mut media = tracer.media_at_camera(&ray);
             let mut is_specular = true;
             for bounce in 0..=max_bounces {
                 // What does the ray meet? Nothing: the environment emits.
-                let Some(vertex) = tracer.vertex(&ray) else {
+                let Some(vertex) = tracer.meet(&ray, &mut media, &mut throughput) else {
                     if is_specular {
                         let radiance = scene.lights().environment_radiance(ray.direction());
                         sink.add(hit(bounce, throughput * radiance, 1.0));
                     }
                     return;
                 };
-                throughput *= medium.transmittance(vertex.distance);
                 if bounce == 0 {
                     add_unlit(tracer, &vertex, sink);
                 }
@@ -93,7 +91,7 @@ impl Integrator for NextEvent {
                 let u = bsdf_numbers(sampler, bounce);
                 if vertex.bsdf.has_density() {
                     let u = light_sample(sampler);
-                    if let Some(aimed) = aim_at_light(tracer, &vertex, medium, choice, &u) {
+                    if let Some(aimed) = aim_at_light(tracer, &vertex, media, choice, &u) {
                         sink.add(connect(bounce + 1, throughput * aimed.value, 1.0));
                     }
                 }
@@ -104,7 +102,7 @@ impl Integrator for NextEvent {
                 };
                 throughput *= sample.throughput();
                 is_specular = sample.is_delta;
-                medium = medium.beyond(&vertex, sample.wi);
+                media = vertex.media_towards(sample.wi, media);
                 ray = vertex.ray(sample.wi);
             }
         })

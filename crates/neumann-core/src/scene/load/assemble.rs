@@ -226,12 +226,13 @@ impl<'a> Objects<'a> {
             skin: skin.and_then(|index| self.skins.get(&index)),
         };
         let mut placed = Vec::new();
+        let object = Some(self.meshes.len());
         for ReadMesh { mesh, is_in_world } in mesh::read(self.file, mesh, deformation, notes)? {
             placed.push(Placed {
                 mesh: self.meshes.len(),
                 is_in_world,
             });
-            self.meshes.push(mesh);
+            self.meshes.push(MeshDescription { object, ..mesh });
         }
         if weights.is_none() {
             self.placed.insert(key, placed.clone());

@@ -146,6 +146,7 @@ fn read_primitive(
         uv_sets: read_uv_sets(&reader)?,
         colors: read_colors(&reader)?,
         tangents: None,
+        object: None,
     };
     if mesh.normals.is_some() {
         mesh.tangents = reader.optional("TANGENT", true, Vec4::from_array)?;

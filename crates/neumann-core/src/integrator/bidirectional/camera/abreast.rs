@@ -120,7 +120,8 @@ impl<'s> CameraEnd<'s> {
                         lights.push(&vertex.restored(tracer));
                     }
                 }
-                walks.set(lane, &self.start(pixel.sample, &mut pixel.sampler));
+                let walk = self.start(pixel.sample, tracer, &mut pixel.sampler);
+                walks.set(lane, &walk);
                 walks.common.samplers[lane] = pixel.sampler;
             }
             if walks.common.rays.mask() == 0 {

@@ -36,9 +36,14 @@ pub(in crate::integrator) struct CameraEnd<'a> {
 
 impl CameraEnd<'_> {
     /// The camera starts a subpath.
-    pub(super) fn start(&self, sample: PixelSample, sampler: &mut Sampler<'_>) -> Walk {
+    pub(super) fn start(
+        &self,
+        sample: PixelSample,
+        tracer: &mut Tracer<'_>,
+        sampler: &mut Sampler<'_>,
+    ) -> Walk {
         let u = lens_sample(sampler);
-        Walk::from_camera(self.camera, sample.raster, u, &self.weighing)
+        Walk::from_camera(self.camera, sample.raster, u, tracer, &self.weighing)
     }
 
     /// One step of a subpath, from what it meets on to the next ray; false where it ends. A vertex that is to be merged is
@@ -57,7 +62,7 @@ impl CameraEnd<'_> {
     ) -> bool {
         let weighing = &self.weighing;
         // s = 0: L_e, where the subpath runs into it.
-        let Some(found) = found else {
+        let Some(vertex) = walk.arrive(found, tracer, weighing) else {
             if self.has_connections {
                 if let Some(found) = hit_environment(tracer, walk, weighing) {
                     sink.add(found);
@@ -70,7 +75,6 @@ impl CameraEnd<'_> {
             }
             return false;
         };
-        let vertex = walk.arrive(found, tracer, weighing);
         let bounce = walk.bounce();
         if bounce == 0 {
             add_unlit(tracer, &vertex.surface, sink);

@@ -50,7 +50,7 @@ impl LightEnd<'_> {
             // A lane without a subpath takes the next one.
             for lane in lanes_of(!walks.common.rays.mask()) {
                 let started = starts.find_map(|(number, mut sampler)| {
-                    let walk = self.start(&mut sampler)?;
+                    let walk = self.start(tracer, &mut sampler)?;
                     Some((number, walk, sampler))
                 });
                 let Some((number, walk, sampler)) = started else {
@@ -71,7 +71,7 @@ impl LightEnd<'_> {
                 if walks.join(self.scene, self.max_bounces, lane, &hits, &mut vertices) {
                     abreast |= 1 << lane;
                     if self.camera.has_lens() {
-                        self.meet_lens(&walks.get(lane), found, sink);
+                        self.meet_lens(&walks.get(lane), found, tracer, sink);
                     }
                     continue;
                 }

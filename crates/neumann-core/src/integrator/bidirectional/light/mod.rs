@@ -14,8 +14,9 @@ use crate::photons::Photon;
 use crate::render::Sink;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
+use crate::scene::bodies::Media;
+use crate::transport::Tracer;
 use crate::transport::reflection::start_sample;
-use crate::transport::{Medium, Tracer};
 
 /// How light subpaths walk.
 pub(in crate::integrator) struct LightEnd<'a> {
@@ -41,9 +42,9 @@ pub(in crate::integrator) struct LightVertex {
 
 impl LightEnd<'_> {
     /// A light starts a subpath; `None` if it goes nowhere.
-    pub(super) fn start(&self, sampler: &mut Sampler<'_>) -> Option<Walk> {
+    pub(super) fn start(&self, tracer: &mut Tracer<'_>, sampler: &mut Sampler<'_>) -> Option<Walk> {
         let start = self.scene.lights().start(&start_sample(sampler))?;
-        Some(Walk::from_light(&start, &self.weighing))
+        Some(Walk::from_light(&start, tracer, &self.weighing))
     }
 
     /// One step of a subpath, from what it meets on to the next ray; false where it ends. Vertices that can be joined are
@@ -58,9 +59,10 @@ impl LightEnd<'_> {
         keep: impl FnOnce(LightVertex),
     ) -> bool {
         // t = 0: the lens, where the subpath runs into it.
-        self.meet_lens(walk, found, sink);
-        let Some(found) = found else { return false };
-        let vertex = walk.arrive(found, tracer, &self.weighing);
+        self.meet_lens(walk, found, tracer, sink);
+        let Some(vertex) = walk.arrive(found, tracer, &self.weighing) else {
+            return false;
+        };
         if walk.bounce() == self.max_bounces {
             return false;
         }
@@ -87,10 +89,16 @@ impl LightEnd<'_> {
 
     /// t = 0: adds what a subpath brings that runs into a lens of finite size before it meets anything else.
     #[inline]
-    fn meet_lens(&self, walk: &Walk, found: Option<&Hit>, sink: &mut Sink<'_>) {
+    fn meet_lens(
+        &self,
+        walk: &Walk,
+        found: Option<&Hit>,
+        tracer: &mut Tracer<'_>,
+        sink: &mut Sink<'_>,
+    ) {
         if self.has_connections && self.camera.has_lens() {
-            let distance = found.map_or(f32::INFINITY, |hit| hit.t);
-            let found = hit_lens(self.camera, walk, distance, self.n_paths, &self.weighing);
+            let (camera, weighing) = (self.camera, &self.weighing);
+            let found = hit_lens(tracer, camera, walk, found, self.n_paths, weighing);
             if let Some((raster, seen)) = found {
                 sink.splat(raster, seen);
             }
@@ -114,11 +122,16 @@ impl LightVertex {
     pub(super) fn restored<'a>(&self, tracer: &Tracer<'a>) -> Vertex<'a> {
         let photon = &self.photon;
         Vertex {
-            surface: tracer.surface_at(self.triangle, self.barycentrics, photon.wo),
+            surface: tracer.surface_between(
+                self.triangle,
+                self.barycentrics,
+                photon.wo,
+                photon.indices,
+            ),
             throughput: photon.power,
             partial: self.partial,
             // A segment's absorption is that on the camera vertex's side of it.
-            medium: Medium::VACUUM,
+            media: Media::VACUUM,
             n_vertices: photon.n_vertices,
         }
     }

@@ -1,0 +1,581 @@
+//! Is light absorbed and bent by what it runs through, whichever way it goes?
+//!
+//! Closed forms: slabs seen at right angles, where Beer's law and Fresnel's equations give every
+//! layer, for all methods that say that they see what is there. Agreement: light paths and camera
+//! paths through bodies that nest, overlap and touch. And both ends of a segment must say the same
+//! of what is between them.
+
+use std::sync::Arc;
+
+use glam::{Mat4, Vec3};
+
+use neumann_core::endpoint::Camera;
+use neumann_core::integrator::bidirectional::{Heuristic, Vertex, Walk, Weighing};
+use neumann_core::integrator::{METHODS, Method, method};
+use neumann_core::radiometry::Rgb;
+use neumann_core::sampling::Sampler;
+use neumann_core::scene::Scene;
+use neumann_core::scene::description::{
+    AlphaMode, CameraDescription, InstanceDescription, LightKind, MaterialDescription,
+    MeshDescription, Projection, VolumeDescription,
+};
+use neumann_core::transport::Tracer;
+use neumann_core::transport::reflection::start_sample;
+use neumann_tests::renders::{Block, Setup};
+use neumann_tests::scenes::{Stage, ball, emitter, lambert, looking, rectangle};
+use neumann_tests::statistics::Family;
+
+/// Glass of which half of the light is left after `half_length`; infinite for clear glass.
+fn glass(ior: f32, roughness: f32, half_length: f32) -> MaterialDescription {
+    MaterialDescription {
+        metallic: 0.0,
+        roughness,
+        transmission: 1.0,
+        ior,
+        volume: Some(VolumeDescription {
+            attenuation_color: Rgb::splat(0.5),
+            attenuation_distance: half_length,
+        }),
+        ..MaterialDescription::default()
+    }
+}
+
+const CLEAR: f32 = f32::INFINITY;
+
+/// A box between two corners, facing outwards; six walls with corners of their own.
+fn cuboid(min: Vec3, max: Vec3) -> MeshDescription {
+    let (center, half) = (0.5 * (min + max), 0.5 * (max - min));
+    let mut cuboid = MeshDescription::default();
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        for n in [axis, -axis] {
+            let x = n.any_orthonormal_vector();
+            let y = n.cross(x);
+            let wall = rectangle(center + n * half, x * half, y * half);
+            let first = cuboid.positions.len() as u32;
+            cuboid.positions.extend(wall.positions);
+            let triangles = wall.triangles.iter();
+            cuboid
+                .triangles
+                .extend(triangles.map(|t| t.map(|i| i + first)));
+        }
+    }
+    cuboid
+}
+
+/// A slab between two heights, wide enough that nothing sees its sides.
+fn slab(low: f32, high: f32) -> MeshDescription {
+    cuboid(Vec3::new(-3.0, low, -3.0), Vec3::new(3.0, high, 3.0))
+}
+
+/// The same, wound the other way round.
+fn inside_out(mut mesh: MeshDescription) -> MeshDescription {
+    for triangle in &mut mesh.triangles {
+        triangle.swap(1, 2);
+    }
+    mesh
+}
+
+fn moved(mut mesh: MeshDescription, by: Vec3) -> MeshDescription {
+    for position in &mut mesh.positions {
+        *position += by;
+    }
+    mesh
+}
+
+/// A camera at a height that looks straight up or down, all rays side by side.
+fn straight(height: f32, direction: Vec3) -> CameraDescription {
+    let eye = Vec3::Y * height;
+    CameraDescription {
+        name: "straight".to_owned(),
+        world_from_camera: CameraDescription::looking_at(eye, eye + direction, Vec3::NEG_Z),
+        aspect_ratio: None,
+        projection: Projection::Orthographic { ymag: 0.2 },
+        lens: None,
+    }
+}
+
+/// A stage whose camera looks up to a lamp of radiance 1 at height 10, which fills its view.
+fn below_lamp(height: f32) -> Stage {
+    let mut stage = Stage::default();
+    let lamp = rectangle(Vec3::Y * 10.0, Vec3::X * 0.25, Vec3::Z * 0.25);
+    stage.add("lamp", lamp, emitter(1.0));
+    stage.description.cameras = vec![straight(height, Vec3::Y)];
+    stage
+}
+
+/// Fresnel's reflectance at right angles.
+fn r(a: f64, b: f64) -> f64 {
+    ((a - b) / (a + b)).powi(2)
+}
+
+/// Methods that see mirror-like surfaces from the camera, and what is between.
+fn methods_through_glass() -> impl Iterator<Item = &'static &'static Method> {
+    METHODS.iter().filter(|m| {
+        let sight = m.sight;
+        sight.delta_surfaces && sight.delta_to_camera && sight.shadows
+    })
+}
+
+/// Holds the first layers of all methods that see it against what they must be.
+fn judge(name: &str, scene: &Arc<Scene>, expected: &[f64]) {
+    let mut family = Family::default();
+    for (stream, method) in methods_through_glass().enumerate() {
+        let batches = Setup::new(scene, 16, 16)
+            .by(method)
+            .up_to(expected.len() as u32 - 1)
+            .batches(16, 8, 900 + stream as u64);
+        assert_eq!(batches.n_refused(), 0);
+        for (k, exact) in expected.iter().enumerate() {
+            let mean = batches.layer(k)[1];
+            let what = format!("{name}, {}, T{k}: {mean:?} for {exact:.5}", method.id);
+            family.add(mean.p_value(*exact, 2e-5), what);
+        }
+    }
+    family.judge();
+}
+
+#[test]
+fn a_camera_inside_of_an_absorbing_body() {
+    // All methods that know shadows see the lamp, through half a metre of the body and more.
+    let mut stage = below_lamp(1.0);
+    stage.add("body", slab(0.0, 11.0), glass(1.0, 0.0, 6.0));
+    let scene = stage.scene();
+    let exact = 0.5f64.powf(1.5);
+    let mut family = Family::default();
+    for (stream, method) in METHODS.iter().enumerate() {
+        if !method.sight.shadows {
+            continue;
+        }
+        let setup = Setup::new(&scene, 16, 16).by(method).up_to(0);
+        let mean = setup.batches(16, 16, 800 + stream as u64).layer(0)[1];
+        let what = format!("{}: {mean:?} for {exact}", method.id);
+        family.add(mean.p_value(exact, 2e-5), what);
+    }
+    family.judge();
+}
+
+#[test]
+fn a_camera_and_a_lamp_in_different_bodies() {
+    let mut stage = below_lamp(1.0);
+    // The lamp has 1 m of the upper body below it, the camera 2 m of the lower one above.
+    stage.add("lower", slab(-1.0, 3.0), glass(1.0, 0.0, 2.0));
+    stage.add("upper", slab(9.0, 12.0), glass(1.0, 0.0, 4.0));
+    judge("two bodies", &stage.scene(), &[0.0, 0.0, 0.5f64.powf(1.25)]);
+}
+
+#[test]
+fn a_clear_body_inside_of_a_tinted_one() {
+    let mut stage = below_lamp(0.0);
+    stage.add("clear", slab(2.5, 3.0), glass(1.0, 0.0, CLEAR));
+    stage.add("tinted", slab(2.0, 4.0), glass(1.0, 0.0, 1.0));
+    let exact = 0.5f64.powf(1.5);
+    let layers = [0.0, 0.0, 0.0, 0.0, exact];
+    judge("clear in tinted", &stage.scene(), &layers);
+    // And a third one in that.
+    stage.add("inmost", slab(2.6, 2.9), glass(1.0, 0.0, 0.1));
+    let exact = 0.5f64.powf(1.5 + 3.0);
+    let layers = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, exact];
+    judge("three", &stage.scene(), &layers);
+}
+
+/// A glass plate on water, seen from below the water: the plate stands apart, touches it, or
+/// reaches into it.
+#[test]
+fn indices_of_both_sides_count() {
+    let (water, plate) = (1.33, 1.5);
+    let (up, top) = (r(water, plate), r(plate, 1.0));
+    let bottom = r(water, 1.0);
+    let inside = water * water;
+    // Once through both; or back and forth once, in the plate or in the water.
+    let through = inside * (1.0 - up) * (1.0 - top);
+    let layers = [0.0, 0.0, through, 0.0, through * up * (top + bottom)];
+    for (name, low) in [("touching", 2.0), ("overlapping", 1.7)] {
+        for first in ["plate", "water"] {
+            let mut stage = below_lamp(1.0);
+            let bodies = [
+                ("plate", slab(low, 3.0), glass(plate as f32, 0.0, CLEAR)),
+                ("water", slab(0.0, 2.0), glass(water as f32, 0.0, CLEAR)),
+            ];
+            let (a, b): (Vec<_>, Vec<_>) = bodies.into_iter().partition(|body| body.0 == first);
+            for (name, mesh, material) in a.into_iter().chain(b) {
+                stage.add(name, mesh, material);
+            }
+            judge(&format!("{name}, {first} first"), &stage.scene(), &layers);
+        }
+    }
+    // With air in between, there are three walls.
+    let air = r(water, 1.0);
+    let through = inside * (1.0 - air) * (1.0 - top) * (1.0 - top);
+    let mut stage = below_lamp(1.0);
+    stage.add("plate", slab(2.2, 3.0), glass(plate as f32, 0.0, CLEAR));
+    stage.add("water", slab(0.0, 2.0), glass(water as f32, 0.0, CLEAR));
+    judge("apart", &stage.scene(), &[0.0, 0.0, 0.0, through]);
+}
+
+/// A bubble as a cavity of the glass that it is in, turned inside out, and as a body of air.
+#[test]
+fn bubbles_of_either_kind() {
+    let wall = r(1.5, 1.0);
+    let through = (1.0 - wall).powi(4) * 0.5f64.powf(1.5);
+    let layers = [0.0, 0.0, 0.0, 0.0, through];
+    let (outer, inner) = (slab(2.0, 4.0), slab(2.5, 3.0));
+    let inner = MeshDescription {
+        positions: inner
+            .positions
+            .iter()
+            .map(|p| *p * Vec3::new(0.9, 1.0, 0.9))
+            .collect(),
+        ..inner
+    };
+    let tinted = || glass(1.5, 0.0, 1.0);
+    let mut one_mesh = outer.clone();
+    let cavity = inside_out(inner.clone());
+    let first = one_mesh.positions.len() as u32;
+    one_mesh.positions.extend(&cavity.positions);
+    let triangles = cavity.triangles.iter();
+    one_mesh
+        .triangles
+        .extend(triangles.map(|t| t.map(|i| i + first)));
+    let mut stage = below_lamp(0.0);
+    stage.add("glass", one_mesh, tinted());
+    judge("one mesh", &stage.scene(), &layers);
+    let mut stage = below_lamp(0.0);
+    stage.add("cavity", cavity, tinted());
+    stage.add("glass", outer.clone(), tinted());
+    judge("cavity", &stage.scene(), &layers);
+    let mut stage = below_lamp(0.0);
+    stage.add("glass", outer, tinted());
+    stage.add("air", inner, glass(1.0, 0.0, CLEAR));
+    judge("air", &stage.scene(), &layers);
+}
+
+#[test]
+fn bodies_of_one_medium_that_overlap_or_touch_are_as_one() {
+    let wall = r(1.5, 1.0);
+    let through = (1.0 - wall).powi(2) * 0.5f64.powf(2.0);
+    let layers = [0.0, 0.0, through];
+    let whole = glass(1.5, 0.0, 1.0);
+    for (name, high, low) in [("overlapping", 3.2, 2.8), ("touching", 3.0, 3.0)] {
+        let mut stage = below_lamp(0.0);
+        stage.add("lower", slab(2.0, high), whole.clone());
+        stage.add("upper", slab(low, 4.0), whole.clone());
+        judge(name, &stage.scene(), &layers);
+    }
+}
+
+/// Walls of one body in several meshes, of materials that differ in more than their medium; and six
+/// walls that are nodes by themselves.
+#[test]
+fn a_body_of_several_meshes() {
+    let through = 0.5f64.powf(2.0);
+    let layers = [0.0, 0.0, through];
+    let whole = slab(2.0, 4.0);
+    let tinted = glass(1.0, 0.0, 1.0);
+    for object in [Some(7), None] {
+        let mut stage = below_lamp(3.0);
+        for (i, wall) in whole.triangles.chunks(2).enumerate() {
+            let part = MeshDescription {
+                triangles: wall.to_vec(),
+                object,
+                ..whole.clone()
+            };
+            let material = MaterialDescription {
+                specular: i as f32 / 6.0,
+                ..tinted.clone()
+            };
+            stage.add("wall", part, material);
+        }
+        // The camera is inside.
+        let inside = [0.0, 0.5f64];
+        judge("from inside", &stage.scene(), &inside);
+        stage.description.cameras = vec![straight(0.0, Vec3::Y)];
+        judge("from outside", &stage.scene(), &layers);
+    }
+}
+
+#[test]
+fn instances_and_mirror_images() {
+    for mirrored in [1.0, -1.0] {
+        let mut stage = below_lamp(0.0);
+        let d = &mut stage.description;
+        for (name, low, half_length, n) in [("a", 2.0, 1.0, 2), ("b", 5.0, 2.0, 1)] {
+            for copy in 0..n {
+                d.instances.push(InstanceDescription {
+                    name: name.to_owned(),
+                    mesh: d.meshes.len(),
+                    world_from_mesh: Mat4::from_translation(Vec3::Y * (low + copy as f32))
+                        * Mat4::from_scale(Vec3::new(mirrored, 0.5, 2.0)),
+                });
+            }
+            d.meshes.push(MeshDescription {
+                material: Some(d.materials.len()),
+                ..slab(0.0, 1.0)
+            });
+            d.materials.push(glass(1.0, 0.0, half_length));
+        }
+        // Half a metre of each copy, one of them of the other glass.
+        let exact = 0.5f64.powf(0.5 + 0.5 + 0.25);
+        let layers = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, exact];
+        judge("instances", &stage.scene(), &layers);
+    }
+}
+
+/// A body whose triangles are all wound the wrong way round is a body still; a sheet that encloses
+/// nothing has no inside that a camera could be in, whichever way it faces.
+#[test]
+fn what_is_not_well_made() {
+    let mut stage = below_lamp(0.0);
+    let tinted = glass(1.0, 0.0, 1.0);
+    stage.add("turned", inside_out(slab(2.0, 4.0)), tinted.clone());
+    judge("turned", &stage.scene(), &[0.0, 0.0, 0.25]);
+    for facing in [1.0, -1.0] {
+        let mut stage = below_lamp(0.0);
+        let sheet = rectangle(Vec3::Y * 9.0, Vec3::X * 3.0, Vec3::Z * 3.0 * facing);
+        stage.add("sheet", sheet, tinted.clone());
+        // One that faces the camera is entered, and never left.
+        let beyond = if facing > 0.0 { 0.5 } else { 1.0 };
+        judge("sheet", &stage.scene(), &[0.0, beyond]);
+    }
+    // Outside of a body that is beside the camera, above and below it.
+    let mut stage = below_lamp(1.0);
+    let arch = cuboid(Vec3::new(0.5, -1.0, -1.0), Vec3::new(1.0, 3.0, 1.0));
+    stage.add("beside", arch, glass(1.0, 0.0, 0.1));
+    judge("beside", &stage.scene(), &[1.0]);
+}
+
+/// Half of a wall is not there: light goes through it into the body as through a hole.
+#[test]
+fn walls_that_leak() {
+    let leaky = MaterialDescription {
+        alpha: 0.5,
+        alpha_mode: AlphaMode::Blend,
+        ..glass(1.0, 0.0, 1.0)
+    };
+    let mut stage = below_lamp(0.0);
+    stage.add("body", slab(2.0, 3.0), leaky);
+    // Either wall stops it, or not: the same light in any case, after as many events as walls.
+    judge("leaky", &stage.scene(), &[0.125, 0.25, 0.125]);
+}
+
+/// Compares light paths and camera paths, layer by layer and block by block.
+fn compare(name: &str, scene: &Arc<Scene>, methods: &[&str], max_bounces: u32) {
+    let mut family = Family::default();
+    let batches = |id: &str, n, stream| {
+        Setup::new(scene, 18, 18)
+            .by(method(id).expect("a method of the registry"))
+            .up_to(max_bounces)
+            .batches(24, n, stream)
+    };
+    let expected = batches("pt-mis", 64, 70);
+    for (stream, id) in methods.iter().enumerate() {
+        let found = batches(id, 48, 71 + stream as u64);
+        assert_eq!(found.n_refused(), 0);
+        for block in Block::grid(&expected.films[0], 2, 2) {
+            for layer in 0..=max_bounces as usize {
+                let (a, b) = (
+                    found.block(block, layer)[1],
+                    expected.block(block, layer)[1],
+                );
+                // Blocks that hardly any light reaches say nothing.
+                let least = 0.01 * expected.layer(layer)[1].mean;
+                let error = a.standard_error.max(b.standard_error);
+                if b.mean <= least || error > 0.05 * b.mean {
+                    continue;
+                }
+                let what = format!("{name}, {id}, T{layer}: {a:?} against {b:?}");
+                family.add(a.p_value_against(&b, 1e-5), what);
+            }
+        }
+    }
+    let n = family.len();
+    assert!(n >= 3 * methods.len(), "{name}: {n} comparisons");
+    family.judge();
+    // Methods that blur come close.
+    for id in ["ppm", "vcm"] {
+        let found = batches(id, 8, 80);
+        for layer in 0..=max_bounces as usize {
+            let [a, b] = [&found, &expected].map(|batches| batches.layer(layer)[1]);
+            if b.mean > 0.01 {
+                let error = (a.standard_error.hypot(b.standard_error) / b.mean).min(1.0);
+                let ratio = a.mean / b.mean;
+                assert!(
+                    (ratio - 1.0).abs() < 0.03 + 5.0 * error,
+                    "{name}, {id}, T{layer}: {ratio} ± {error}"
+                );
+            }
+        }
+    }
+}
+
+/// A floor, a large lamp above, and a camera between.
+fn studio(eye: Vec3) -> Stage {
+    let mut stage = Stage::default();
+    let floor = rectangle(Vec3::ZERO, Vec3::Z * 2.0, Vec3::X * 2.0);
+    stage.add("floor", floor, lambert(0.8));
+    let lamp = rectangle(Vec3::Y * 3.0, Vec3::X * 2.0, Vec3::Z * 2.0);
+    stage.add("lamp", lamp, emitter(1.0));
+    stage.description.cameras = vec![looking(eye, Vec3::ZERO)];
+    stage
+}
+
+#[test]
+fn a_camera_under_water() {
+    for roughness in [0.0, 0.4] {
+        // From there, only the floor is seen.
+        let mut stage = studio(Vec3::new(0.1, 0.9, 0.1));
+        let water = cuboid(Vec3::new(-1.8, -0.2, -1.8), Vec3::new(1.8, 1.5, 1.8));
+        stage.add("water", water, glass(1.33, roughness, 1.0));
+        compare("water", &stage.scene(), &["pt-bsdf", "lt", "bdpt"], 4);
+    }
+}
+
+#[test]
+fn a_lamp_in_a_tinted_ball() {
+    for (roughness, is_point) in [(0.5, false), (0.0, false), (0.5, true)] {
+        let mut stage = studio(Vec3::new(0.0, 1.2, 1.6));
+        stage.description.materials[1] = lambert(0.5);
+        let center = Vec3::Y * 0.9;
+        stage.add("ball", moved(ball(0.7), center), glass(1.4, roughness, 0.5));
+        if is_point {
+            let intensity = Rgb::splat(1.0);
+            stage.light(LightKind::Point { intensity }, center, Vec3::Y);
+        } else {
+            stage.add("bulb", moved(ball(0.5), center), emitter(3.0));
+        }
+        let methods: &[&str] = match (is_point, roughness > 0.0) {
+            (true, _) => &["pt-nee", "lt", "bdpt"],
+            (false, true) => &["pt-bsdf", "lt", "bdpt"],
+            (false, false) => &["pt-bsdf", "bdpt"],
+        };
+        compare("lamp in a ball", &stage.scene(), methods, 4);
+    }
+}
+
+#[test]
+fn bodies_that_nest_overlap_and_touch() {
+    let eye = Vec3::new(0.0, 1.3, 1.5);
+    let block = || cuboid(Vec3::new(-0.8, 0.1, -0.8), Vec3::new(0.8, 1.1, 0.8));
+    let center = Vec3::Y * 0.6;
+    let methods = ["pt-bsdf", "lt", "bdpt"];
+
+    let mut stage = studio(eye);
+    stage.add("block", block(), glass(1.4, 0.4, 0.3));
+    let clear = glass(1.6, 0.4, CLEAR);
+    stage.add("ball", moved(ball(0.4), center), clear.clone());
+    compare("nested", &stage.scene(), &methods, 5);
+
+    let mut stage = studio(eye);
+    stage.add("block", block(), glass(1.4, 0.4, 0.3));
+    stage.add(
+        "ball",
+        moved(ball(0.5), center + Vec3::Y * 0.4),
+        clear.clone(),
+    );
+    compare("overlapping", &stage.scene(), &methods, 5);
+
+    let mut stage = studio(eye);
+    stage.add("block", block(), glass(1.33, 0.4, 0.3));
+    let lid = cuboid(Vec3::new(-0.8, 1.1, -0.8), Vec3::new(0.8, 1.3, 0.8));
+    stage.add("lid", lid, clear);
+    compare("touching", &stage.scene(), &methods, 5);
+
+    let mut stage = studio(eye);
+    let cavity = inside_out(moved(ball(0.4), center));
+    stage.add("block", block(), glass(1.4, 0.4, 0.3));
+    stage.add("cavity", cavity, glass(1.4, 0.3, 0.3));
+    compare("bubble", &stage.scene(), &methods, 5);
+}
+
+/// The vertices of a subpath.
+fn subpath<'a>(
+    mut walk: Walk,
+    tracer: &mut Tracer<'a>,
+    sampler: &mut Sampler<'_>,
+    weighing: &Weighing,
+) -> Vec<Vertex<'a>> {
+    let mut vertices = Vec::new();
+    while let Some(vertex) = walk.meet(tracer, weighing) {
+        vertices.push(vertex);
+        sampler.start_bounce(walk.bounce());
+        if vertices.len() == 8 || !walk.scatter(&vertex, sampler, false, weighing) {
+            break;
+        }
+    }
+    vertices
+}
+
+/// What a segment between two vertices runs through is the same from either end.
+#[test]
+fn both_ends_agree_on_what_is_between() {
+    let mut stage = studio(Vec3::new(0.0, 0.5, 0.6));
+    let block = cuboid(Vec3::new(-0.8, 0.1, -0.8), Vec3::new(0.8, 1.1, 0.8));
+    stage.add("block", block, glass(1.4, 0.4, 0.3));
+    let center = Vec3::Y * 0.6;
+    stage.add(
+        "ball",
+        moved(ball(0.4), center + Vec3::Y * 0.4),
+        glass(1.6, 0.4, CLEAR),
+    );
+    let lid = cuboid(Vec3::new(-0.8, 1.1, -0.8), Vec3::new(0.8, 1.2, 0.8));
+    stage.add("lid", lid, glass(1.5, 0.2, 0.2));
+    stage.add("bulb", moved(ball(0.1), center), emitter(3.0));
+    stage.add(
+        "in it",
+        moved(ball(0.05), center + Vec3::X * 0.5),
+        lambert(0.5),
+    );
+    let scene = stage.scene();
+    let camera = Camera::new(&scene.cameras()[0], 8, 8);
+    let weighing = Weighing::connections(Heuristic::Power, 1.0);
+    let mut tracer = Tracer::new(&scene);
+    let (mut n_in_vacuum, mut n_in_media, mut n_other) = (0, 0, 0);
+    for i in 0..4000 {
+        let mut sampler = Sampler::new(31, i, 0);
+        let Some(start) = scene.lights().start(&start_sample(&mut sampler)) else {
+            continue;
+        };
+        let walk = Walk::from_light(&start, &mut tracer, &weighing);
+        let lights = subpath(walk, &mut tracer, &mut sampler, &weighing);
+        let mut sampler = Sampler::new(32, i, 0);
+        let raster = sampler.next_2d().map(|u| 8.0 * u).into();
+        let u = sampler.next_2d();
+        let walk = Walk::from_camera(&camera, raster, u, &mut tracer, &weighing);
+        for ours in subpath(walk, &mut tracer, &mut sampler, &weighing) {
+            for theirs in &lights {
+                let (from, to) = (&ours.surface, &theirs.surface);
+                let apart = to.point.position - from.point.position;
+                let distance = apart.length();
+                if distance < 1e-3 {
+                    continue;
+                }
+                let wi = apart / distance;
+                // Along a wall, rounding tells on which side.
+                if from.cos_g(wi) < 1e-3 || to.cos_g(wi) < 1e-3 {
+                    continue;
+                }
+                let media = from.media_towards(wi, ours.media);
+                let light = tracer.light_between(&from.point, &to.point, distance, media);
+                let back_media = to.media_towards(-wi, theirs.media);
+                let back = tracer.light_between(&to.point, &from.point, distance, back_media);
+                let [light, back] = [light, back].map(|light| light.mean());
+                if (light - back).abs() > 1e-4 {
+                    n_other += 1;
+                }
+                if light > 0.0 {
+                    if media.is_vacuum() {
+                        n_in_vacuum += 1;
+                    } else {
+                        n_in_media += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(
+        n_in_vacuum > 1000 && n_in_media > 1000,
+        "{n_in_vacuum}, {n_in_media}"
+    );
+    // A few go past an edge, where rounding tells.
+    let n = n_in_vacuum + n_in_media;
+    assert!(n_other * 2000 < n, "{n_other} of {n}");
+}

@@ -17,6 +17,7 @@
 //! | [`sampling`] | random numbers, warps, discrete choices, MIS, roulette |
 //! | [`bsdf`] | how a surface scatters |
 //! | [`accel`] | what a ray meets |
+//! | [`memory`], [`decode`] | what files may take, and pictures in the formats of their files |
 //! | [`material`] | textures, and the BSDF they amount to at a point |
 //! | [`endpoint`] | both ends of a path: lights and cameras |
 //! | [`scene`] | files, their description, and the scene ready to trace |
@@ -60,7 +61,9 @@ pub mod sampling;
 pub mod bsdf;
 
 pub mod accel;
+pub mod decode;
 pub mod material;
+pub mod memory;
 
 pub mod endpoint;
 pub mod scene;

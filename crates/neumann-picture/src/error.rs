@@ -3,6 +3,9 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use neumann_core::decode::DecodeError;
+use neumann_core::memory::REMEDY;
+
 /// A picture could not be read, written or made.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
@@ -51,6 +54,14 @@ impl PictureError {
             path: path.to_owned(),
             what: what.into(),
         }
+    }
+
+    pub(crate) fn decode(path: &Path, error: DecodeError) -> Self {
+        let remedy = match error {
+            DecodeError::Content(_) => "name a flat picture in .exr, .png, .jpg, .webp or .hdr",
+            DecodeError::Memory(_) => REMEDY,
+        };
+        Self::content(path, format!("{error}; {remedy}"))
     }
 
     pub(crate) fn destination(path: &Path, what: impl Into<String>) -> Self {

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
-use image::{ImageReader, Limits};
+use neumann_core::decode::{DecodeError, bitmap, openexr, radiance_hdr};
+use neumann_core::memory::{self, Share};
 use neumann_core::radiometry::Rgb;
 
 use crate::tone::linear_from_srgb;
@@ -24,95 +25,91 @@ pub struct Image {
     pub layers: BTreeMap<String, Vec<Rgb>>,
 }
 
-impl Image {
-    /// The picture, or one of its layers, alone.
-    ///
-    /// # Errors
-    /// If there is no such layer; the message lists those that there are.
-    pub fn layer(&self, name: Option<&str>) -> Result<Self, PictureError> {
-        let pixels = match name {
-            None | Some("L") => &self.pixels,
-            Some(name) => self.layers.get(name).ok_or_else(|| {
-                let names: Vec<_> = self.layers.keys().map(String::as_str).collect();
-                let known = if names.is_empty() {
-                    "there are none".to_owned()
-                } else {
-                    format!("there are L, {}", names.join(", "))
-                };
-                PictureError::Mismatch(format!("no layer '{name}'; {known}"))
-            })?,
-        };
-        Ok(Self {
-            width: self.width,
-            height: self.height,
-            pixels: pixels.clone(),
-            layers: BTreeMap::new(),
-        })
-    }
-}
-
 /// Reads a picture; the kind of file is told by its content.
 ///
 /// # Errors
-/// If the file cannot be read, is of no known kind, or is broken.
+/// If the file cannot be read, is of no known kind, is broken, or does not fit into memory.
 pub fn read_image(path: &Path) -> Result<Image, PictureError> {
-    let mut start = [0; 4];
+    read_layer(path, None, &mut Share::default())
+}
+
+/// Reads a layer of a picture by its name, or the main one; `memory` pays for it.
+///
+/// # Errors
+/// As [`read_image`], and if there is no such layer; the message lists those that there are.
+pub fn read_layer(
+    path: &Path,
+    name: Option<&str>,
+    memory: &mut Share,
+) -> Result<Image, PictureError> {
+    let failed = |e| PictureError::io(path, "read", e);
+    let mut start = Vec::new();
     let mut file = open_regular(path)?;
-    let n = file
-        .read(&mut start)
-        .map_err(|e| PictureError::io(path, "read", e))?;
-    if n == 4 && start == EXR_MAGIC {
-        return exr_file::read_layers(path);
+    let length = file.metadata().map_err(failed)?.len();
+    file.by_ref()
+        .take(4)
+        .read_to_end(&mut start)
+        .map_err(failed)?;
+    if start == openexr::MAGIC {
+        return exr_file::read_layer(path, name, memory);
     }
-    let file = open_regular(path)?;
-    let mut reader = ImageReader::new(BufReader::new(file))
-        .with_guessed_format()
-        .map_err(|e| PictureError::io(path, "read", e))?;
-    if reader.format().is_none() {
-        return Err(PictureError::content(
-            path,
-            "not a picture that can be read; use .exr, .png or .hdr",
-        ));
+    if let Some(name) = name.filter(|name| *name != "L") {
+        let problem = format!("no layer '{name}'; only OpenEXR files have layers");
+        return Err(PictureError::content(path, problem));
     }
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_EDGE);
-    limits.max_image_height = Some(MAX_EDGE);
-    limits.max_alloc = Some(MAX_BYTES);
-    reader.limits(limits);
-    let is_linear = reader.format() == Some(image::ImageFormat::Hdr);
-    let decoded = reader
-        .decode()
-        .map_err(|e| PictureError::content(path, format!("broken picture: {e}")))?;
-    let (width, height) = (decoded.width() as usize, decoded.height() as usize);
-    let is_deep = decoded.color().bytes_per_pixel() / decoded.color().channel_count() > 1;
-    let pixels = if is_linear {
-        let to_rgb = |p: &image::Rgb<f32>| Rgb::from(p.0);
-        decoded.into_rgb32f().pixels().map(to_rgb).collect()
-    } else if is_deep {
-        let to_rgb =
-            |p: &image::Rgb<u16>| Rgb::from(p.0.map(|c| linear_from_srgb(f32::from(c) / 65535.0)));
-        decoded.into_rgb16().pixels().map(to_rgb).collect()
+    let decoded = Share::of_process(length)
+        .and_then(|paid| {
+            let n_more = usize::try_from(length).unwrap_or(usize::MAX);
+            Ok((paid, memory::empty::<u8>(n_more)?))
+        })
+        .map_err(DecodeError::from);
+    let (_paid, mut bytes) = decoded.map_err(|error| PictureError::decode(path, error))?;
+    bytes.extend(start);
+    file.take(length.saturating_sub(bytes.len() as u64))
+        .read_to_end(&mut bytes)
+        .map_err(failed)?;
+    let decoded = if radiance_hdr::is_hdr(&bytes) {
+        read_hdr(&bytes, memory)
+    } else if bitmap::is_bitmap(&bytes) {
+        read_bitmap(&bytes, memory)
     } else {
-        let table: Vec<f32> = (0..=255u8)
-            .map(|c| linear_from_srgb(f32::from(c) / 255.0))
-            .collect();
-        let to_rgb = |p: &image::Rgb<u8>| Rgb::from(p.0.map(|c| table[usize::from(c)]));
-        decoded.into_rgb8().pixels().map(to_rgb).collect()
+        let problem = "not a picture that can be read".to_owned();
+        Err(DecodeError::Content(problem))
     };
+    decoded.map_err(|error| PictureError::decode(path, error))
+}
+
+fn read_hdr(bytes: &[u8], memory: &mut Share) -> Result<Image, DecodeError> {
+    let header = radiance_hdr::header(bytes)?;
+    Ok(Image {
+        width: header.width,
+        height: header.height,
+        pixels: radiance_hdr::decode(bytes, memory)?.into_floats(memory)?,
+        ..Image::default()
+    })
+}
+
+/// Colours without their alpha.
+fn read_bitmap(bytes: &[u8], memory: &mut Share) -> Result<Image, DecodeError> {
+    let header = bitmap::header(bytes)?;
+    let _working = Share::of_process(header.n_working_bytes)?;
+    let bitmap = bitmap::decode(bytes, Share::of_process(header.n_bytes)?)?;
+    let (width, height) = (bitmap.width, bitmap.height);
+    memory.grow(memory::bytes_of::<Rgb>(width * height))?;
+    let mut pixels = memory::empty(width * height)?;
+    for y in 0..height {
+        pixels.extend((0..width).map(|x| {
+            let [r, g, b, _] = bitmap.texels.rgba(width, x, y);
+            Rgb::new(r, g, b).map(linear_from_srgb)
+        }));
+    }
     Ok(Image {
         width,
         height,
         pixels,
-        layers: BTreeMap::new(),
+        ..Image::default()
     })
 }
-
-/// The first bytes of every OpenEXR file.
-const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-/// Pixels along an edge of a picture that is not OpenEXR.
-const MAX_EDGE: u32 = 65_535;
-/// Memory that reading such a picture may take.
-const MAX_BYTES: u64 = 4 << 30;
 
 /// Opens a file for reading if it is an ordinary one: a pipe could hang, a folder is no picture.
 pub(crate) fn open_regular(path: &Path) -> Result<File, PictureError> {
@@ -145,7 +142,7 @@ mod tests {
         assert!(error.contains("not a picture"), "{error}");
         std::fs::write(&path, b"\x89PNG\r\n\x1a\nrubbish").unwrap();
         let error = read_image(&path).unwrap_err().to_string();
-        assert!(error.contains("broken"), "{error}");
+        assert!(error.contains("cannot be decoded"), "{error}");
         assert!(read_image(&folder.join("")).is_err());
     }
 

@@ -336,10 +336,13 @@ impl App {
                         self.link.improve_scene(&scene, &better);
                     }
                 }
-                Arrival::Environment(Ok(map)) => {
+                Arrival::Environment(Ok(file)) => {
+                    for warning in file.warnings {
+                        self.notices.remark(ctx, warning);
+                    }
                     if let Some(open) = &self.setup.open {
                         let mut appearance = open.scene.appearance().clone();
-                        appearance.environment = Some(Arc::new(map));
+                        appearance.environment = Some(Arc::new(file.environment));
                         self.setup.dress(appearance);
                         self.setup.apply_environment(&self.options.environment);
                     }

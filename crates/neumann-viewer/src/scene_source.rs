@@ -4,8 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use neumann_core::scene::description::EnvironmentDescription;
-use neumann_core::scene::load::{LoadOptions, load_environment};
+use neumann_core::scene::load::{EnvironmentFile, LoadOptions, load_environment};
 use neumann_core::scene::{self, BetterTree, OpeningProgress, Scene};
 use neumann_picture::image_file::{Image, read_image};
 
@@ -16,7 +15,7 @@ pub enum Arrival {
     /// A better tree for a scene that was opened before.
     Tree(BetterTree),
     /// An environment map.
-    Environment(Result<EnvironmentDescription, String>),
+    Environment(Result<EnvironmentFile, String>),
     /// A reference picture, by its path.
     Reference(String, Result<Image, String>),
     /// A path was chosen in the desktop's dialog.

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use neumann_core::memory::{self, Share};
 use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
 use neumann_picture::compare::{Comparison, compare, difference_picture};
 use neumann_picture::exr_file::write_image_exr;
-use neumann_picture::image_file::read_image;
+use neumann_picture::image_file::read_layer;
 use neumann_picture::png_file::write_png;
 use serde_json::json;
 
@@ -20,8 +21,18 @@ pub(crate) fn run(arguments: &CompareArguments) -> Outcome {
         outputs::check(std::slice::from_ref(output))?;
     }
     let layer = arguments.layer.as_deref();
-    let image = read(&arguments.image, layer)?;
-    let reference = read(&arguments.reference, layer)?;
+    let mut memory = Share::default();
+    let image = read_layer(&arguments.image, layer, &mut memory).or_bad_input()?;
+    let reference = read_layer(&arguments.reference, layer, &mut memory).or_bad_input()?;
+    memory.grow(working_bytes(&image)).map_err(|shortage| {
+        let names = [&arguments.image, &arguments.reference].map(|path| path.display());
+        bad_input(format!(
+            "{} and {}: comparing them {shortage}; {}",
+            names[0],
+            names[1],
+            memory::REMEDY
+        ))
+    })?;
     let display = arguments.display.display();
     let comparison = compare(&image, &reference, &display).or_bad_input()?;
     if let Some(output) = &arguments.output {
@@ -45,11 +56,10 @@ pub(crate) fn run(arguments: &CompareArguments) -> Outcome {
     console::result(&table(&comparison))
 }
 
-fn read(path: &Path, layer: Option<&str>) -> Outcome<Image> {
-    let image = read_image(path).or_bad_input()?;
-    image
-        .layer(layer)
-        .map_err(|e| bad_input(format!("{}: {e}", path.display())))
+/// Memory that FLIP takes: lightness, colours and edges of both pictures, and filtered planes.
+fn working_bytes(image: &Image) -> u64 {
+    const PER_PIXEL: usize = 84;
+    memory::bytes_of::<[u8; PER_PIXEL]>(image.pixels.len())
 }
 
 fn write_difference(path: &Path, image: &Image, reference: &Image) -> Outcome {

@@ -31,6 +31,9 @@ use cli::{Cli, Command};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    if let Some(bytes) = cli.memory {
+        neumann_core::memory::allow(bytes);
+    }
     let result = match cli.command {
         None => start::run(cli.scene.as_deref()),
         Some(Command::View(arguments)) => view::run(&arguments),

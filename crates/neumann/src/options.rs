@@ -21,7 +21,7 @@ use crate::console;
 use crate::failure::{OrBadInput, Outcome, bad_input};
 use crate::progress::while_waiting;
 
-pub(crate) use parse::{positive, size};
+pub(crate) use parse::{bytes, positive, size};
 
 /// Highest power of T where nothing else is asked for.
 const DEFAULT_MAX_BOUNCES: u32 = 16;
@@ -97,7 +97,8 @@ pub(crate) struct CameraArguments {
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Environment")]
 pub(crate) struct EnvironmentArguments {
-    /// Environment map in place of the scene's: lat-long, .hdr or .exr
+    /// Environment map in place of the scene's: lat-long, .hdr or .exr. Its centre is seen looking along -Z, its right
+    /// half towards +X
     #[arg(long, value_name = "FILE")]
     pub(crate) env: Option<PathBuf>,
     /// Factor on the environment
@@ -160,7 +161,11 @@ pub(crate) fn open_scene(
     let mut description =
         while_waiting(&format!("reading {name}"), || scene::open(name, &options)).or_bad_input()?;
     if let Some(path) = &environment.env {
-        description.environment = Some(load_environment(path).or_bad_input()?);
+        let file = load_environment(path).or_bad_input()?;
+        for warning in &file.warnings {
+            console::note(&format!("warning: {warning}"));
+        }
+        description.environment = Some(file.environment);
     }
     if environment.env_intensity.is_some() || environment.env_rotation.is_some() {
         let Some(map) = &mut description.environment else {

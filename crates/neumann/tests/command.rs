@@ -482,3 +482,55 @@ fn techniques_are_written_apart_and_photons_reported() {
     }
     folder.fail("render cornell -o v.exr --techniques-divisor 2", 2);
 }
+
+/// A glTF file with a texture of 16384 by 16384 texels of one bit, 33 kB or so.
+fn scene_with_a_huge_texture(folder: &Folder) {
+    const SIDE: usize = 16384;
+    let mut picture = Vec::new();
+    let mut encoder = png::Encoder::new(&mut picture, SIDE as u32, SIDE as u32);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::One);
+    let rows = vec![0xff; SIDE * SIDE / 8];
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&rows).unwrap();
+    writer.finish().unwrap();
+    std::fs::write(folder.join("huge.png"), picture).unwrap();
+    let corners: [[f32; 3]; 3] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
+    let bytes: Vec<u8> = corners
+        .iter()
+        .flatten()
+        .flat_map(|c| c.to_le_bytes())
+        .collect();
+    std::fs::write(folder.join("triangle.bin"), bytes).unwrap();
+    let scene = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],
+        "materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],
+        "textures":[{"source":0}],"images":[{"uri":"huge.png"}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},
+                     {"componentType":5126,"count":3,"type":"VEC2"}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],
+        "buffers":[{"uri":"triangle.bin","byteLength":36}]}"#;
+    std::fs::write(folder.join("huge.gltf"), scene).unwrap();
+}
+
+#[test]
+fn files_stay_within_the_memory_that_they_are_allowed() {
+    let folder = Folder::new();
+    scene_with_a_huge_texture(&folder);
+    // One bit a texel: 33.6 MB.
+    folder.succeed("render huge.gltf -o a.exr --iterations 1 --size 8x8 --memory 40M");
+    let output = folder.run("info huge.gltf --memory 30M");
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    for part in ["huge.gltf", "huge.png", "33.6 MB", "31.5 MB", "--memory"] {
+        assert!(error.contains(part), "{part}: {error}");
+    }
+    let output = folder.run("compare a.exr a.exr --memory 1k");
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(
+        error.contains("a.exr") && error.contains("--memory"),
+        "{error}"
+    );
+    folder.succeed("compare a.exr a.exr --memory 1G");
+}

@@ -112,32 +112,56 @@ impl Grid2 {
     /// negative; `None` if they add up to nothing.
     #[must_use]
     pub fn new(n_columns: usize, n_rows: usize, weights: &[f64]) -> Option<Self> {
-        let sum: f64 = weights.iter().sum();
+        Self::from_rows(n_columns, n_rows, |row, of_row| {
+            of_row.copy_from_slice(&weights[row * n_columns..(row + 1) * n_columns]);
+        })
+    }
+
+    /// The same from `fill`, which writes the weights of one row after the other, so that they
+    /// need not all be kept.
+    #[must_use]
+    pub fn from_rows(
+        n_columns: usize,
+        n_rows: usize,
+        mut fill: impl FnMut(usize, &mut [f64]),
+    ) -> Option<Self> {
+        let mut weights = vec![0f64; n_columns];
+        let mut row_sums = Vec::with_capacity(n_rows);
+        let mut column_cdf = Vec::with_capacity(n_rows * (n_columns + 1));
+        let mut density = Vec::with_capacity(n_rows * n_columns);
+        for row in 0..n_rows {
+            fill(row, &mut weights);
+            let row_sum: f64 = weights.iter().sum();
+            let mut left = 0f64;
+            column_cdf.push(0.0);
+            for w in &weights {
+                left += w;
+                column_cdf.push(if row_sum > 0.0 { left / row_sum } else { 1.0 } as f32);
+                density.push(if row_sum > 0.0 { w / row_sum } else { 0.0 } as f32);
+            }
+            row_sums.push(row_sum);
+        }
+        let sum: f64 = row_sums.iter().sum();
         if !sum.is_finite() || sum <= 0.0 {
             return None;
         }
         let mut row_cdf = Vec::with_capacity(n_rows + 1);
-        let mut column_cdf = Vec::with_capacity(n_rows * (n_columns + 1));
-        let mut below = 0f64;
         row_cdf.push(0.0);
-        for row in weights.chunks(n_columns) {
-            let row_sum: f64 = row.iter().sum();
-            let mut left = 0f64;
-            column_cdf.push(0.0);
-            for w in row {
-                left += w;
-                column_cdf.push(if row_sum > 0.0 { left / row_sum } else { 1.0 } as f32);
-            }
+        let mut below = 0f64;
+        let mean = sum / (n_columns * n_rows) as f64;
+        for (row_sum, of_row) in row_sums.iter().zip(density.chunks_mut(n_columns)) {
             below += row_sum;
             row_cdf.push((below / sum) as f32);
+            for d in of_row {
+                *d = (f64::from(*d) * (row_sum / mean)) as f32;
+            }
         }
-        let mean = sum / weights.len() as f64;
         Some(Self {
             n_columns,
             n_rows,
             row_cdf,
             column_cdf,
-            density: weights.iter().map(|w| (w / mean) as f32).collect(),
+            density,
         })
     }
 

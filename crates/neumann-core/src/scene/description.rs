@@ -8,6 +8,7 @@
 
 use glam::{Mat3, Mat4, Vec2, Vec3, Vec4};
 
+use crate::decode::{Radiances, Texels};
 use crate::radiometry::Rgb;
 
 /// Everything a file says about a scene.
@@ -135,8 +136,8 @@ pub struct ImageDescription {
     pub width: usize,
     /// Height in texels, at least 1.
     pub height: usize,
-    /// `texels[y * width + x]`, RGBA, row 0 on top.
-    pub texels: Vec<[u8; 4]>,
+    /// `width` times `height` of them.
+    pub texels: Texels,
 }
 
 /// What becomes of surfaces that are not opaque.
@@ -344,8 +345,8 @@ pub struct EnvironmentDescription {
     pub width: usize,
     /// Height in texels, at least 1.
     pub height: usize,
-    /// `texels[y * width + x]`, radiance, finite and not negative.
-    pub texels: Vec<Rgb>,
+    /// Radiance at `y * width + x`, finite and not negative.
+    pub texels: Radiances,
     /// Multiplies the texels.
     pub intensity: f32,
     /// Turns the map about +Y, radians, counter-clockwise seen from above.
@@ -360,7 +361,7 @@ impl EnvironmentDescription {
             name: "uniform".to_owned(),
             width: 1,
             height: 1,
-            texels: vec![radiance],
+            texels: vec![radiance].into(),
             intensity: 1.0,
             rotation: 0.0,
         }

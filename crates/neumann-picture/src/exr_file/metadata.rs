@@ -5,6 +5,7 @@
 
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::LayerAttributes;
+use neumann_core::radiometry::Rgb;
 use neumann_core::render::RenderSettings;
 use neumann_core::scene::description::{CameraDescription, EnvironmentDescription, Projection};
 use neumann_core::scene::{Appearance, Scene};
@@ -262,7 +263,7 @@ pub fn environment_text(environment: Option<&EnvironmentDescription>) -> String 
     let Some(e) = environment else {
         return "none".to_owned();
     };
-    let bits = e.texels.iter().flat_map(|t| t.to_array()).map(f32::to_bits);
+    let bits = e.texels.iter().flat_map(Rgb::to_array).map(f32::to_bits);
     let hash = fnv1a(bits);
     format!(
         "{} {}x{} {hash:016x}; intensity {}; rotation {}",

@@ -22,7 +22,7 @@ mod write;
 
 pub use metadata::{Difference, Metadata, appearance_text, camera_text, environment_text};
 pub use ranges::IterationRanges;
-pub use read::{Checkpoint, read_exr, read_layers};
+pub use read::{Checkpoint, read_exr, read_layer, read_layers};
 pub use write::{Precision, write_exr, write_exr_as, write_image_exr, write_techniques_exr};
 
 #[cfg(test)]

@@ -13,7 +13,9 @@ use exr::meta::MetaData;
 use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers, SampleType};
 use glam::Vec3;
+use neumann_core::decode::openexr;
 use neumann_core::film::{Features, Film};
+use neumann_core::memory::Share;
 use neumann_core::radiometry::Rgb;
 
 use super::Metadata;
@@ -81,57 +83,78 @@ pub fn read_exr(path: &Path) -> Result<Checkpoint, PictureError> {
 /// Reads the pictures of any OpenEXR file: the main one, and layers by name.
 ///
 /// # Errors
-/// If the file cannot be read, is broken, or has no picture in colour or grey.
+/// If the file cannot be read, is broken, has no picture in colour or grey, or does not fit into
+/// memory.
 pub fn read_layers(path: &Path) -> Result<Image, PictureError> {
-    let mut raw = Raw::read(path)?;
-    let names: Vec<String> = raw
-        .planes
-        .keys()
-        .filter_map(|name| name.rsplit_once('.').map(|(layer, _)| layer.to_owned()))
-        .collect();
-    let main = raw.take_rgb("").or_else(|| raw.take_grey(""));
-    let mut layers = BTreeMap::new();
-    for name in names {
-        let pixels = raw
-            .take_rgb(&name)
-            .or_else(|| raw.take_xyz(&name))
-            .or_else(|| raw.take_grey(&name));
-        if let Some(pixels) = pixels {
-            layers.insert(name, pixels);
+    let file = open(path)?;
+    let failed = |error| PictureError::decode(path, error);
+    let main = file.layer(None).map_err(failed)?;
+    let layers = file.layers.clone();
+    let (width, height) = (file.width, file.height);
+    let mut memory = Share::default();
+    let pictures = file.read(&layers, &mut memory).map_err(failed)?;
+    let mut image = Image {
+        width,
+        height,
+        ..Image::default()
+    };
+    for (layer, picture) in layers.into_iter().zip(pictures) {
+        let pixels = picture.into_floats(&mut memory);
+        let pixels = pixels.map_err(|shortage| PictureError::decode(path, shortage.into()))?;
+        if layer == main {
+            image.pixels.clone_from(&pixels);
+        }
+        if !layer.name.is_empty() {
+            image.layers.insert(layer.name, pixels);
         }
     }
-    // A picture in parts may keep its colours in the first one, under a name.
-    let main = main.or_else(|| {
-        ["rgba", "rgb", "beauty", "color", "combined"]
-            .iter()
-            .find_map(|usual| {
-                let is_usual =
-                    |(name, _): &(&String, &Vec<Rgb>)| name.to_lowercase().contains(usual);
-                layers.iter().find(is_usual).map(|(_, p)| p.clone())
-            })
-            .or_else(|| layers.values().next().cloned())
-    });
-    let Some(pixels) = main else {
-        return Err(PictureError::content(
-            path,
-            "has neither channels R, G, B nor Y; name a picture",
-        ));
-    };
+    Ok(image)
+}
+
+/// Reads one picture of any OpenEXR file, by its layer's name, or the main one; `memory` pays.
+///
+/// # Errors
+/// As [`read_layers`], and if there is no such layer; the message lists those that there are.
+pub fn read_layer(
+    path: &Path,
+    name: Option<&str>,
+    memory: &mut Share,
+) -> Result<Image, PictureError> {
+    let file = open(path)?;
+    let failed = |error| PictureError::decode(path, error);
+    let layer = file.layer(name).map_err(failed)?;
+    let (width, height) = (file.width, file.height);
+    let mut pixels = Vec::new();
+    for picture in file.read(&[layer], memory).map_err(failed)? {
+        let floats = picture.into_floats(memory);
+        pixels = floats.map_err(|shortage| PictureError::decode(path, shortage.into()))?;
+    }
     Ok(Image {
-        width: raw.width,
-        height: raw.height,
+        width,
+        height,
         pixels,
-        layers,
+        layers: BTreeMap::new(),
     })
 }
 
-/// All channels of the first part and of those of the same size, by full name.
+fn open(path: &Path) -> Result<openexr::File<BufReader<std::fs::File>>, PictureError> {
+    let file = open_regular(path)?;
+    let metadata = file
+        .metadata()
+        .map_err(|e| PictureError::io(path, "read", e))?;
+    let reader = BufReader::with_capacity(1 << 18, file);
+    openexr::File::open(reader, metadata.len()).map_err(|e| PictureError::decode(path, e))
+}
+
+/// All channels of the first part and of those of the same size, by full name: a film.
 struct Raw {
     width: usize,
     height: usize,
     attributes: LayerAttributes,
     is_full_precision: bool,
     planes: BTreeMap<String, Vec<f32>>,
+    /// Pays for the planes and for what is made of them.
+    _memory: Share,
 }
 
 impl Raw {
@@ -146,7 +169,10 @@ impl Raw {
             .map_err(|e| PictureError::io(path, "read", e))?
             .len();
         let meta = MetaData::read_from_buffered(BufReader::new(file), false).map_err(broken)?;
-        check(&meta.headers, length).map_err(|what| PictureError::content(path, what))?;
+        let n_bytes =
+            check(&meta.headers, length).map_err(|what| PictureError::content(path, what))?;
+        let paid = Share::of_process(n_bytes.saturating_mul(2));
+        let memory = paid.map_err(|shortage| PictureError::decode(path, shortage.into()))?;
         let file = open_regular(path)?;
         // A bug of the decoder on odd bytes is an error of the file, not the end of the program.
         let decode = || {
@@ -196,22 +222,12 @@ impl Raw {
             attributes,
             is_full_precision,
             planes,
+            _memory: memory,
         })
     }
 
     fn take_rgb(&mut self, layer: &str) -> Option<Vec<Rgb>> {
         self.take_three(layer, ["R", "G", "B"], Rgb::new)
-    }
-
-    fn take_xyz(&mut self, layer: &str) -> Option<Vec<Rgb>> {
-        self.take_three(layer, ["X", "Y", "Z"], Rgb::new)
-    }
-
-    fn take_grey(&mut self, layer: &str) -> Option<Vec<Rgb>> {
-        let plane = ["Y", "Z", "V"]
-            .iter()
-            .find_map(|channel| self.planes.remove(&full_name(layer, channel)))?;
-        Some(plane.into_iter().map(Rgb::splat).collect())
     }
 
     fn take_three<T>(
@@ -253,8 +269,10 @@ const LARGEST_RATIO: u128 = 1100;
 const MOST_BYTES: u128 = 32 << 30;
 
 /// Refuses what a reader cannot take in, and headers that promise more than the file can hold.
-fn check(headers: &[Header], length: u64) -> Result<(), String> {
-    let mut bytes = 0u128;
+///
+/// Returns the bytes of samples, single precision.
+fn check(headers: &[Header], length: u64) -> Result<u64, String> {
+    let (mut bytes, mut n_samples) = (0u128, 0u128);
     for header in headers {
         if header.deep {
             return Err("holds deep data; name a flat picture".to_owned());
@@ -266,6 +284,7 @@ fn check(headers: &[Header], length: u64) -> Result<(), String> {
                     "has channels of reduced resolution; name a picture with R, G, B".to_owned(),
                 );
             }
+            n_samples += pixels;
             bytes += pixels
                 * match channel.sample_type {
                     SampleType::F16 => 2,
@@ -281,5 +300,5 @@ fn check(headers: &[Header], length: u64) -> Result<(), String> {
             "broken OpenEXR file: its header promises {bytes} bytes of pixels in a file of {length}"
         ));
     }
-    Ok(())
+    Ok(u64::try_from(4 * n_samples).unwrap_or(u64::MAX))
 }

@@ -44,6 +44,27 @@ pub(super) fn assignment(text: &str) -> Result<(String, String), String> {
     }
 }
 
+/// A number of bytes, plain or in units of 1024 (K, M, G, T).
+pub(crate) fn bytes(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let number = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let power = match text[number.len()..].to_ascii_uppercase().as_str() {
+        "" | "B" => Some(0),
+        "K" | "KB" | "KIB" => Some(1),
+        "M" | "MB" | "MIB" => Some(2),
+        "G" | "GB" | "GIB" => Some(3),
+        "T" | "TB" | "TIB" => Some(4),
+        _ => None,
+    };
+    let number: Option<f64> = number.trim().parse().ok();
+    number
+        .zip(power)
+        .map(|(number, power)| number * 1024f64.powi(power))
+        .filter(|bytes| (1.0..9e18).contains(bytes))
+        .map(|bytes| bytes as u64)
+        .ok_or_else(|| "use a number of bytes such as 800M or 4G".to_owned())
+}
+
 /// A number above zero.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     number(text, "use a number above 0", |v| v > 0.0)
@@ -85,7 +106,7 @@ where
 mod tests {
     use glam::Vec3;
 
-    use super::{angle_of_view, assignment, finite, positive, size, vector};
+    use super::{angle_of_view, assignment, bytes, finite, positive, size, vector};
 
     #[test]
     fn values_read_as_written() {
@@ -93,6 +114,8 @@ mod tests {
         assert_eq!(vector("0,-1.5, 2e1"), Ok(Vec3::new(0.0, -1.5, 20.0)));
         assert_eq!(assignment("a=b=c"), Ok(("a".to_owned(), "b=c".to_owned())));
         assert_eq!(positive("0.25"), Ok(0.25));
+        assert_eq!(bytes("1000"), Ok(1000));
+        assert_eq!((bytes("1.5k"), bytes("2 GiB")), (Ok(1536), Ok(2 << 30)));
     }
 
     #[test]
@@ -102,6 +125,9 @@ mod tests {
         }
         for text in ["1,2", "1,2,3,4", "a,b,c", "nan,0,0", "inf,0,0"] {
             assert!(vector(text).is_err(), "{text}");
+        }
+        for text in ["", "G", "0", "-1M", "1X", "nan", "inf", "1e30"] {
+            assert!(bytes(text).is_err(), "{text}");
         }
         assert!(positive("0").is_err() && positive("nan").is_err() && positive("inf").is_err());
         assert!(angle_of_view("180").is_err() && finite("inf").is_err());

@@ -4,13 +4,14 @@
 
 use std::fs;
 
+use neumann_core::memory::free_bytes;
 use neumann_core::render::RenderSettings;
 
 use crate::failure::{Outcome, bad_input};
 
 /// Refuses a film that would not fit into memory.
 pub(super) fn check(settings: &RenderSettings) -> Outcome {
-    let Some(available) = field("/proc/meminfo", "MemAvailable:") else {
+    let Some(available) = free_bytes() else {
         return Ok(());
     };
     let needed = needed_bytes(settings);

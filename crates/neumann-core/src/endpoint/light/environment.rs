@@ -53,33 +53,38 @@ impl EnvironmentLight {
         let columns = map.width;
         let at = |x: usize, y: usize| {
             let y = if map.height == 1 { 0 } else { y };
-            map.texels[y * map.width + x]
+            map.texels.get(y * map.width + x)
         };
         let solid_angle = |y: usize| {
             let (top, bottom) = (y as f64, (y + 1) as f64);
             let h = std::f64::consts::PI / rows as f64;
             ((top * h).cos() - (bottom * h).cos()) * std::f64::consts::TAU / columns as f64
         };
-        let mut weights = Vec::with_capacity(rows * columns);
-        let mut fluence = [0f64; 3];
-        for y in 0..rows {
-            for x in 0..columns {
-                let mean = bilinear_mean(&at, x, y, columns, rows);
-                let w = solid_angle(y);
-                for (sum, c) in fluence.iter_mut().zip(mean.to_array()) {
-                    *sum += f64::from(c) * w;
-                }
-                weights.push(f64::from(mean.mean()) * w);
-            }
-        }
         let intensity = map.intensity * brightness;
         let (sin_rotation, cos_rotation) = map.rotation.sin_cos();
-        let grid = Grid2::new(columns, rows, &weights)?;
+        let mut fluence = [0f64; 3];
+        let mut add = |x: usize, y: usize| {
+            let mean = bilinear_mean(&at, x, y, columns, rows);
+            let w = solid_angle(y);
+            for (sum, c) in fluence.iter_mut().zip(mean.to_array()) {
+                *sum += f64::from(c) * w;
+            }
+            f64::from(mean.mean()) * w
+        };
         let first = at(0, 0);
-        let distribution = if map.texels.iter().all(|texel| *texel == first) {
+        let distribution = if map.texels.iter().all(|texel| texel == first) {
+            let sum: f64 = (0..rows).map(|y| columns as f64 * add(0, y)).sum();
+            fluence = fluence.map(|c| c * columns as f64);
+            if sum <= 0.0 {
+                return None;
+            }
             Distribution::Uniform(first * intensity)
         } else {
-            Distribution::Texels(grid)
+            Distribution::Texels(Grid2::from_rows(columns, rows, |y, weights| {
+                for (x, weight) in weights.iter_mut().enumerate() {
+                    *weight = add(x, y);
+                }
+            })?)
         };
         (intensity > 0.0).then(|| Self {
             map: Arc::clone(map),
@@ -122,7 +127,7 @@ impl EnvironmentLight {
         let (s, t) = (x - x0, y - y0);
         let column = |i: f32| (i as i64).rem_euclid(w as i64) as usize;
         let row = |i: f32| (i as i64).clamp(0, h as i64 - 1) as usize;
-        let at = |x: f32, y: f32| self.map.texels[row(y) * w + column(x)];
+        let at = |x: f32, y: f32| self.map.texels.get(row(y) * w + column(x));
         let top = at(x0, y0).lerp(at(x0 + 1.0, y0), s);
         let bottom = at(x0, y0 + 1.0).lerp(at(x0 + 1.0, y0 + 1.0), s);
         top.lerp(bottom, t) * self.intensity

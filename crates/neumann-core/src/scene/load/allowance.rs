@@ -5,9 +5,10 @@
 //! is decoded from accessors is therefore paid from one allowance, which grows
 //! with the bytes that the file really has. It bounds memory and time alike.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 use super::error::Fault;
+use crate::memory::Share;
 
 /// Bytes of decoded geometry that every file may have, however small it is.
 const BASE_ALLOWANCE: u64 = 512 << 20;
@@ -20,6 +21,8 @@ const ALLOWANCE_PER_BYTE: u64 = 16;
 #[derive(Debug)]
 pub(super) struct Allowance {
     bytes: Cell<u64>,
+    /// What has been spent, as a share of the process's memory while the file is read.
+    memory: RefCell<Share>,
 }
 
 impl Allowance {
@@ -30,6 +33,7 @@ impl Allowance {
             .saturating_add(BASE_ALLOWANCE);
         Self {
             bytes: Cell::new(bytes),
+            memory: RefCell::default(),
         }
     }
 
@@ -38,6 +42,9 @@ impl Allowance {
         let bytes = (count as u64).saturating_mul(size as u64);
         match self.bytes.get().checked_sub(bytes) {
             Some(rest) => {
+                let mut memory = self.memory.borrow_mut();
+                let paid = memory.grow(bytes);
+                paid.map_err(|shortage| Fault::short(field, "", shortage))?;
                 self.bytes.set(rest);
                 Ok(())
             }

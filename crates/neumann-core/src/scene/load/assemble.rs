@@ -77,7 +77,7 @@ pub(super) fn scene(
     for material in meshes.iter().filter_map(|mesh| mesh.material) {
         is_used[material] = true;
     }
-    let images = picture::read(&file, &mut source, &mut materials, &is_used, &mut notes);
+    let images = picture::read(&file, &mut source, &mut materials, &is_used, &mut notes)?;
     for mesh in &mut meshes {
         if let Some(index) = mesh.material {
             let textures = material::textures(&mut materials[index]);
@@ -93,7 +93,7 @@ pub(super) fn scene(
         Some(scene) => environment::of_scene(scene, &mut source, &mut notes)?,
         None => None,
     };
-    note_what_is_left_out(&file, &meshes, &mut notes);
+    note_what_is_left_out(&file, &extensions.ignored, &meshes, &mut notes);
     Ok(SceneDescription {
         name: scene_name(scene_item.as_ref(), name),
         about: about(&root),
@@ -218,7 +218,7 @@ impl<'a> Objects<'a> {
         if let Some(index) = skin
             && !self.skins.contains_key(&index)
         {
-            let read = Skin::read(self.file, hierarchy, index)?;
+            let read = Skin::read(self.file, hierarchy, index, notes)?;
             self.skins.insert(index, read);
         }
         let deformation = Deformation {
@@ -259,7 +259,19 @@ fn provide_uv_sets(
     Ok(())
 }
 
-fn note_what_is_left_out(file: &File<'_>, meshes: &[MeshDescription], notes: &mut Notes) {
+fn note_what_is_left_out(
+    file: &File<'_>,
+    ignored: &[String],
+    meshes: &[MeshDescription],
+    notes: &mut Notes,
+) {
+    if ignored.iter().any(|name| name == extension::GLOSSINESS) {
+        notes.warn(format!(
+            "{} is ignored, so that materials look wrong; {}",
+            extension::GLOSSINESS,
+            extension::CONVERT_GLOSSINESS
+        ));
+    }
     let n_animations = file.document.count("animations");
     if n_animations > 0 {
         notes.warn(format!(

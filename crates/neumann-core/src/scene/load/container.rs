@@ -4,7 +4,7 @@
 //! endian (glTF 2.0, 4.4). Which of the two it is, the first bytes say, not the
 //! file's name.
 
-use super::error::{EXPORT_AGAIN, Fault};
+use super::error::{EXPORT_AGAIN, Fault, quoted};
 use super::json::Document;
 
 const MAGIC: &[u8] = b"glTF";
@@ -33,6 +33,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<Container<'_>, Fault> {
         }
     };
     check_version(&container.document)?;
+    container.document.check_collections()?;
     Ok(container)
 }
 
@@ -68,8 +69,7 @@ fn open_glb(bytes: &[u8]) -> Result<Container<'_>, Fault> {
             CHUNK_BIN if binary.is_none() => binary = Some(chunk),
             _ => {} // Unknown chunks are to be ignored (4.4.3).
         }
-        // Chunks end on multiples of 4, whether or not their size says so.
-        offset = end.next_multiple_of(4);
+        offset = next_chunk(bytes, end);
     }
     let Some(json) = json else {
         return Err(truncated("has no JSON chunk".to_owned()));
@@ -80,22 +80,59 @@ fn open_glb(bytes: &[u8]) -> Result<Container<'_>, Fault> {
     })
 }
 
+/// Where the chunk after one that ends at `end` begins.
+///
+/// Chunks are to end on multiples of 4. Some writers pad them but leave the padding out of the
+/// size, others do not pad: the place at which a chunk of a known kind begins is taken.
+fn next_chunk(bytes: &[u8], end: usize) -> usize {
+    let padded = end.next_multiple_of(4);
+    let is_known = |offset: usize| {
+        let size = u32_at(bytes, offset).map(|size| size as usize);
+        let is_inside = size.is_some_and(|size| offset + 8 + size <= bytes.len());
+        is_inside && matches!(u32_at(bytes, offset + 4), Some(CHUNK_JSON | CHUNK_BIN))
+    };
+    if is_known(end) && !is_known(padded) {
+        end
+    } else {
+        padded
+    }
+}
+
 fn u32_at(bytes: &[u8], offset: usize) -> Option<u32> {
     let four = bytes.get(offset..)?.first_chunk::<4>()?;
     Some(u32::from_le_bytes(*four))
 }
 
 fn check_version(document: &Document) -> Result<(), Fault> {
-    let Some(asset) = document.root().child("asset")? else {
+    let root = document.root();
+    let asset = root.child_if_object("asset");
+    // Version 1 was also written as a number, or, in drafts, not at all.
+    let version = asset.as_ref().and_then(|asset| {
+        let text = asset.text("version").ok().flatten().map(str::to_owned);
+        let number = || asset.number("version").ok().flatten();
+        text.or_else(|| number().map(|number| format!("{number:?}")))
+    });
+    if let Some(version) = &version
+        && !(version == "2" || version.starts_with("2."))
+    {
+        return Err(wrong_version(&format!("glTF version {}", quoted(version))));
+    }
+    // Its objects had names in place of numbers.
+    let is_first = ["meshes", "nodes", "accessors"]
+        .iter()
+        .any(|key| root.child_if_object(key).is_some());
+    if version.is_none() && is_first {
+        return Err(wrong_version("glTF version 1 (objects have names)"));
+    }
+    let Some(asset) = root.child("asset")? else {
         return Err(Fault::new(
             "asset",
             "is missing",
             "a scene is a glTF 2.0 file; other JSON cannot be shown",
         ));
     };
-    let version = asset.text("version")?.unwrap_or("");
-    if !(version == "2" || version.starts_with("2.")) {
-        return Err(wrong_version(&format!("glTF version \"{version}\"")));
+    if version.is_none() {
+        return Err(Fault::broken("asset.version", "is missing"));
     }
     match asset.text("minVersion")? {
         None | Some("2.0" | "2") => Ok(()),
@@ -111,7 +148,7 @@ fn wrong_version(found: &str) -> Fault {
     Fault::new(
         "asset.version",
         format!("is {found}; only glTF 2.x can be read"),
-        "convert the file to glTF 2.0 (for instance by import and export in Blender)",
+        "convert version 1 with 'npx gltf-pipeline -i old.gltf -o new.gltf', or export again",
     )
 }
 
@@ -147,10 +184,50 @@ mod tests {
         }
     }
 
+    /// A GLB whose JSON chunk has an odd length, with or without padding that is not counted.
+    fn odd_glb(is_padded: bool) -> Vec<u8> {
+        let json = br#"{"asset":{"version":"2.0"},"x":1}"#;
+        assert!(json.len() % 4 == 1);
+        let mut body = (json.len() as u32).to_le_bytes().to_vec();
+        body.extend(b"JSON");
+        body.extend(json);
+        if is_padded {
+            body.extend(b"   ");
+        }
+        body.extend([4, 0, 0, 0]);
+        body.extend(b"BIN\0\x01\x02\x03\x04");
+        let mut bytes = b"glTF\x02\0\0\0".to_vec();
+        bytes.extend((12 + body.len() as u32).to_le_bytes());
+        bytes.extend(body);
+        bytes
+    }
+
+    #[test]
+    fn chunks_are_found_with_and_without_padding() {
+        for is_padded in [true, false] {
+            let bytes = odd_glb(is_padded);
+            let container = open(&bytes).unwrap();
+            assert_eq!(container.binary, Some(&[1, 2, 3, 4][..]), "{is_padded}");
+        }
+    }
+
     #[test]
     fn other_versions_are_refused() {
         let fault = open(br#"{"asset":{"version":"1.0"}}"#).unwrap_err();
         assert_eq!(fault.field, "asset.version");
+        for text in [
+            r#"{"asset":{"version":1.0}}"#,
+            r#"{"asset":{"version":0.8},"meshes":7}"#,
+            r#"{"asset":{},"nodes":{"a":{"children":[]}}}"#,
+            r#"{"meshes":{"a":{"primitives":[]}}}"#,
+            r#"{"asset":{"version":"1.1"},"accessors":{}}"#,
+        ] {
+            let fault = open(text.as_bytes()).unwrap_err();
+            assert!(fault.problem.contains("only glTF 2"), "{text}: {fault:?}");
+        }
+        let fault = open(br#"{"asset":{"version":"2.0"},"nodes":{}}"#).unwrap_err();
+        assert!(fault.problem.contains("not an array"), "{fault:?}");
+        assert!(open(br#"{"asset":{"version":2}}"#).is_ok());
         assert!(open(br#"{"asset":{"version":"2.1"}}"#).is_ok());
         assert!(open(br#"{"asset":{"version":"2.0","minVersion":"2.1"}}"#).is_err());
         assert!(open(b"glTF\x01\0\0\0\x14\0\0\0").is_err());

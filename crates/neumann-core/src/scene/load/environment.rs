@@ -7,22 +7,22 @@
 
 use std::io::Cursor;
 
-use exr::meta::MetaData;
-use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, read as read_exr_image};
-use image::codecs::hdr::HdrDecoder;
-use image::{DynamicImage, ImageDecoder, Limits};
-
 use super::error::{Fault, quoted};
 use super::factor::{Factors, LARGEST};
 use super::json::Item;
 use super::notes::Notes;
-use super::picture::{LARGEST_SIDE, quietly};
 use super::source::Source;
+use crate::decode::{DecodeError, Radiances, StoredRadiances, openexr, radiance_hdr};
+use crate::memory::Share;
 use crate::radiometry::Rgb;
 use crate::scene::description::EnvironmentDescription;
 
-/// More texels than this are refused: 16384 by 8192, the usual largest map.
-const MOST_TEXELS: u64 = 1 << 27;
+/// Wider or higher maps are refused.
+const LARGEST_SIDE: usize = 1 << 16;
+
+/// What the density over a map takes beside each of its texels, once there is a light of it:
+/// two tables of single precision.
+const TABLE_BYTES: u64 = 8;
 
 /// Reads what the scene's extras ask for, if they do.
 pub(super) fn of_scene(
@@ -46,12 +46,8 @@ pub(super) fn of_scene(
                 uri
             };
             let decoded = decode(name, &bytes).map_err(|fault| Fault { field, ..fault })?;
-            if decoded.n_mended > 0 {
-                notes.warn(format!(
-                    "environment {}: {} texels were negative or not finite",
-                    quoted(uri),
-                    decoded.n_mended
-                ));
+            for warning in &decoded.warnings {
+                notes.warn(format!("environment {}: {warning}", quoted(uri)));
             }
             decoded.environment
         }
@@ -69,158 +65,89 @@ pub(super) fn of_scene(
     Ok(Some(environment))
 }
 
-/// An environment map, and how many of its texels were no radiance.
+/// An environment map, and what is odd about its file.
 #[derive(Debug)]
 pub(super) struct Decoded {
     pub(super) environment: EnvironmentDescription,
-    pub(super) n_mended: usize,
+    pub(super) warnings: Vec<String>,
 }
 
 /// Decodes a map whose format its first bytes tell.
 pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<Decoded, Fault> {
-    let decoded = if bytes.starts_with(b"#?") {
-        quietly(|| decode_hdr(bytes))
-    } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        quietly(|| decode_exr(bytes))
+    let mut memory = Share::default();
+    let decoded = if radiance_hdr::is_hdr(bytes) {
+        decode_hdr(bytes, &mut memory)
+    } else if bytes.starts_with(&openexr::MAGIC) {
+        decode_exr(bytes, &mut memory)
     } else {
-        Err("is neither a Radiance HDR nor an OpenEXR image".to_owned())
+        Err(DecodeError::Content(
+            "is neither a Radiance HDR nor an OpenEXR image".to_owned(),
+        ))
     };
-    let mut texels = decoded.map_err(|problem| {
-        Fault::new(
-            "",
-            problem,
-            "use a lat-long map as .hdr or .exr, or fetch it again",
-        )
+    let (width, height, mut texels) = decoded.map_err(|error| match error {
+        DecodeError::Content(problem) => {
+            Fault::new("", problem, "use a lat-long map as .hdr or .exr")
+        }
+        DecodeError::Memory(shortage) => Fault::short("", "", shortage),
     })?;
-    let n_mended = mend(&mut texels.texels);
+    let mut warnings = Vec::new();
+    let n_mended = texels.mend();
+    if n_mended > 0 {
+        warnings.push(format!(
+            "{n_mended} texels were negative or not finite; 0 or the brightest value stands in"
+        ));
+    }
+    if width != 2 * height && width * height > 1 {
+        warnings.push(format!(
+            "is {width} by {height}, but a lat-long map is twice as wide as high; it is stretched"
+        ));
+    }
     Ok(Decoded {
         environment: EnvironmentDescription {
             name: name.to_owned(),
-            width: texels.width,
-            height: texels.height,
-            texels: texels.texels,
+            width,
+            height,
+            texels: Radiances::new(texels, memory),
             intensity: 1.0,
             rotation: 0.0,
         },
-        n_mended,
+        warnings,
     })
 }
 
-/// `texels[y * width + x]`.
-struct Texels {
-    width: usize,
-    height: usize,
-    texels: Vec<Rgb>,
+type Texels = (usize, usize, StoredRadiances);
+
+fn decode_hdr(bytes: &[u8], memory: &mut Share) -> Result<Texels, DecodeError> {
+    let header = radiance_hdr::header(bytes)?;
+    check_size(header.width, header.height, memory)?;
+    let texels = radiance_hdr::decode(bytes, memory)?;
+    Ok((header.width, header.height, texels))
 }
 
-fn decode_hdr(bytes: &[u8]) -> Result<Texels, String> {
-    let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(broken)?;
-    let (width, height) = decoder.dimensions();
-    check_size(u64::from(width), u64::from(height))?;
-    let mut decoder = decoder;
-    decoder.set_limits(Limits::no_limits()).map_err(broken)?;
-    let pixels = DynamicImage::from_decoder(decoder)
-        .map_err(broken)?
-        .into_rgb32f()
-        .into_raw();
-    let (texels, _) = pixels.as_chunks::<3>();
-    Ok(Texels {
-        width: width as usize,
-        height: height as usize,
-        texels: texels.iter().map(|&rgb| Rgb::from(rgb)).collect(),
-    })
-}
-
-/// The first layer that has R, G and B, else the first with Y alone.
-fn decode_exr(bytes: &[u8]) -> Result<Texels, String> {
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?;
-    for header in &meta.headers {
-        check_size(
-            header.layer_size.width() as u64,
-            header.layer_size.height() as u64,
-        )?;
+fn decode_exr(bytes: &[u8], memory: &mut Share) -> Result<Texels, DecodeError> {
+    let file = openexr::File::open(Cursor::new(bytes), bytes.len() as u64)?;
+    let (width, height) = (file.width, file.height);
+    if file.is_cube {
+        let problem = "holds the six sides of a cube, which cannot be read as an environment";
+        return Err(DecodeError::Content(problem.to_owned()));
     }
-    let color = read_exr_image()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |size, _| Texels::black(size.width(), size.height()),
-            |image: &mut Texels, at, (r, g, b): (f32, f32, f32)| {
-                image.set(at.x(), at.y(), Rgb::new(r, g, b));
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes));
-    let color_error = match color {
-        Ok(image) => return Ok(image.layer_data.channel_data.pixels),
-        Err(error) => error,
-    };
-    read_exr_image()
-        .no_deep_data()
-        .largest_resolution_level()
-        .specific_channels()
-        .required("Y")
-        .collect_pixels(
-            |size, _| Texels::black(size.width(), size.height()),
-            |image: &mut Texels, at, (y,): (f32,)| image.set(at.x(), at.y(), Rgb::splat(y)),
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map(|image| image.layer_data.channel_data.pixels)
-        .map_err(|_| broken(color_error))
+    check_size(width, height, memory)?;
+    let layer = file.layer(None)?;
+    let mut pictures = file.read(&[layer], memory)?;
+    let texels = pictures.pop().unwrap_or(StoredRadiances::Float(Vec::new()));
+    Ok((width, height, texels))
 }
 
-impl Texels {
-    fn black(width: usize, height: usize) -> Self {
-        Self {
-            width,
-            height,
-            texels: vec![Rgb::BLACK; width * height],
-        }
-    }
-
-    fn set(&mut self, x: usize, y: usize, color: Rgb) {
-        self.texels[y * self.width + x] = color;
-    }
-}
-
-fn check_size(width: u64, height: u64) -> Result<(), String> {
-    let side = u64::from(LARGEST_SIDE);
+/// Checks the sides, and pays for the density.
+fn check_size(width: usize, height: usize, memory: &mut Share) -> Result<(), DecodeError> {
     if width == 0 || height == 0 {
-        Err("has no texels".to_owned())
-    } else if width > side || height > side || width * height > MOST_TEXELS {
-        Err(format!(
-            "is {width} by {height}; at most {side} by {} is read",
-            MOST_TEXELS / side
-        ))
+        Err(DecodeError::Content("has no texels".to_owned()))
+    } else if width.max(height) > LARGEST_SIDE {
+        Err(DecodeError::Content(format!(
+            "is {width} by {height}; at most {LARGEST_SIDE} each way are read"
+        )))
     } else {
+        memory.grow(TABLE_BYTES * width as u64 * height as u64)?;
         Ok(())
     }
-}
-
-/// Makes every texel finite and not negative; tells how many were not.
-///
-/// A sun beyond the range of half floats is stored as infinity: it becomes the
-/// brightest finite value of the map.
-fn mend(texels: &mut [Rgb]) -> usize {
-    let is_odd = |texel: &Rgb| !texel.is_radiance();
-    let n_odd = texels.iter().filter(|texel| is_odd(texel)).count();
-    if n_odd > 0 {
-        let brightest = texels
-            .iter()
-            .flat_map(|texel| texel.to_array())
-            .filter(|value| value.is_finite())
-            .fold(0.0, f32::max);
-        for texel in texels.iter_mut().filter(|texel| is_odd(texel)) {
-            // `max` also takes 0 for what is not a number.
-            *texel = texel.map(|value| value.max(0.0).min(brightest));
-        }
-    }
-    n_odd
-}
-
-fn broken(error: impl std::fmt::Display) -> String {
-    format!("cannot be decoded ({error})")
 }

@@ -8,6 +8,8 @@ use std::fmt::{self, Display, Formatter};
 
 use thiserror::Error;
 
+use crate::memory::{REMEDY, Shortage};
+
 /// Advice for files that contradict themselves.
 pub(super) const EXPORT_AGAIN: &str =
     "the file is damaged or its exporter is at fault: fetch or export it again";
@@ -63,6 +65,12 @@ impl Fault {
     /// A field that contradicts the format or the rest of the file.
     pub(super) fn broken(field: impl Into<String>, problem: impl Into<String>) -> Self {
         Self::new(field, problem, EXPORT_AGAIN)
+    }
+
+    /// What does not fit into memory; `name` says what, empty for the field itself.
+    pub(super) fn short(field: impl Into<String>, name: &str, shortage: Shortage) -> Self {
+        let space = if name.is_empty() { "" } else { " " };
+        Self::new(field, format!("{name}{space}{shortage}"), REMEDY)
     }
 
     /// Adds the file's name.

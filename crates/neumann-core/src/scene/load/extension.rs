@@ -19,9 +19,16 @@ const SUPPORTED: [&str; 12] = [
     "KHR_texture_transform",
 ];
 
-/// Not read, but a file that requires it can be shown without: its textures
-/// are dropped, each with a warning.
-const TOLERATED: &str = "KHR_texture_basisu";
+/// Not read, but a file that requires them can be shown without: `basisu` textures are
+/// dropped, each with a warning; of variants the materials that the primitives name are shown.
+const TOLERATED: [&str; 2] = ["KHR_texture_basisu", "KHR_materials_variants"];
+
+/// Materials of another kind than glTF's own.
+pub(super) const GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+
+/// What to do about them.
+pub(super) const CONVERT_GLOSSINESS: &str = "convert the file with \
+    'npx @gltf-transform/cli metalrough in.glb out.glb'";
 
 /// The extensions that a file uses, sorted by what becomes of them.
 #[derive(Debug, Default)]
@@ -41,7 +48,7 @@ pub(super) fn read(document: &Document) -> Result<Extensions, Fault> {
                 return Err(Fault::broken(field, "is not a string"));
             };
             let is_supported = SUPPORTED.contains(&name);
-            if key == "extensionsRequired" && !is_supported && name != TOLERATED {
+            if key == "extensionsRequired" && !is_supported && !TOLERATED.contains(&name) {
                 return Err(unsupported(&field, name));
             }
             let list = if is_supported {
@@ -64,6 +71,7 @@ fn unsupported(field: &str, name: &str) -> Fault {
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
             "store the scene without mesh compression, for instance with gltf-transform"
         }
+        GLOSSINESS => CONVERT_GLOSSINESS,
         _ => "export the scene without this extension",
     };
     Fault::new(
@@ -76,7 +84,7 @@ fn unsupported(field: &str, name: &str) -> Fault {
 #[cfg(test)]
 mod tests {
     use super::super::json::Document;
-    use super::read;
+    use super::{GLOSSINESS, read};
 
     #[test]
     fn unsupported_requirements_are_named() {
@@ -95,5 +103,9 @@ mod tests {
         let fault = read(&document).unwrap_err();
         assert!(fault.problem.contains("KHR_draco_mesh_compression"));
         assert_eq!(fault.field, "extensionsRequired[0]");
+        let document = parse(&format!(r#"{{"extensionsRequired":["{GLOSSINESS}"]}}"#));
+        assert!(read(&document).unwrap_err().remedy.contains("metalrough"));
+        let document = parse(r#"{"extensionsRequired":["KHR_materials_variants"]}"#);
+        assert_eq!(read(&document).unwrap().ignored, ["KHR_materials_variants"]);
     }
 }

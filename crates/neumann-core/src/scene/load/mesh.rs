@@ -154,9 +154,10 @@ fn read_primitive(
     if let Some(weights) = deformation.weights {
         morph::add_targets(file, primitive, weights, &vertices, &mut mesh, notes)?;
     }
+    mend_numbers(&mut mesh, notes);
     mend_directions(&mut mesh, notes);
     let is_in_world = match deformation.skin {
-        Some(skin) => skin.pose(file, &attributes, &vertices, &mut mesh)?,
+        Some(skin) => skin.pose(file, &attributes, &vertices, &mut mesh, notes)?,
         None => false,
     };
     Ok(Some(ReadMesh { mesh, is_in_world }))
@@ -328,6 +329,41 @@ fn read_colors(reader: &Vertices<'_>) -> Result<Option<Vec<Vec4>>, Fault> {
     reader.read(&accessor.normalized(), convert).map(Some)
 }
 
+/// Puts plain numbers in the place of those that are not finite, lest they reach the picture.
+///
+/// Positions stay: building leaves their triangles out and says so.
+fn mend_numbers(mesh: &mut MeshDescription, notes: &mut Notes) {
+    let name = quoted(&mesh.name);
+    for (set, uvs) in mesh.uv_sets.iter_mut().enumerate() {
+        let n = replace(uvs, Vec2::is_finite, Vec2::ZERO);
+        if n > 0 {
+            notes.warn(format!(
+                "mesh {name}: {n} of {} TEXCOORD_{set} are not finite; (0, 0) stands in",
+                uvs.len()
+            ));
+        }
+    }
+    if let Some(colors) = &mut mesh.colors {
+        let n = replace(colors, Vec4::is_finite, Vec4::ONE);
+        if n > 0 {
+            notes.warn(format!(
+                "mesh {name}: {n} of {} vertex colours are not finite; white stands in",
+                colors.len()
+            ));
+        }
+    }
+}
+
+/// Replaces what is not sound; tells how many there were.
+fn replace<T: Copy>(values: &mut [T], is_sound: impl Fn(T) -> bool, stand_in: T) -> usize {
+    let mut n = 0;
+    for value in values.iter_mut().filter(|value| !is_sound(**value)) {
+        *value = stand_in;
+        n += 1;
+    }
+    n
+}
+
 /// Makes normals and tangents unit vectors.
 ///
 /// A normal that is none is replaced by that of the triangles around it.
@@ -359,9 +395,17 @@ fn mend_directions(mesh: &mut MeshDescription, notes: &mut Notes) {
             *normal = normal.normalize_or(Vec3::Z);
         }
     }
+    let mut n_broken = 0;
     for tangent in mesh.tangents.iter_mut().flatten() {
         let direction = Some(tangent.truncate()).filter(|t| is_direction(*t));
+        n_broken += usize::from(direction.is_none());
         let unit = direction.map_or(Vec3::X, |t| t.normalize_or(Vec3::X));
         *tangent = unit.extend(if tangent.w < 0.0 { -1.0 } else { 1.0 });
+    }
+    if n_broken > 0 {
+        notes.warn(format!(
+            "mesh {}: {n_broken} tangents are zero or not finite; the x axis stands in",
+            quoted(&mesh.name)
+        ));
     }
 }

@@ -51,11 +51,13 @@ use std::path::Path;
 
 use self::allowance::Allowance;
 use self::buffer::Buffers;
-use self::error::Fault;
+use self::error::{Fault, one_line};
 use self::json::Document;
 use self::source::Source;
 use super::OpeningProgress;
 use super::description::{EnvironmentDescription, SceneDescription};
+use crate::decode::DecodeError;
+use crate::memory::Share;
 
 pub use self::error::LoadError;
 
@@ -86,7 +88,9 @@ struct File<'a> {
 /// or contradicts itself. Images that cannot be read only cost a warning.
 pub fn load_file(path: &Path, options: &LoadOptions) -> Result<SceneDescription, LoadError> {
     let name = path.display().to_string();
-    let bytes = read_named_file(path, &name, "give the path of a .gltf or .glb file")?;
+    let mut memory = Share::default();
+    let remedy = "give the path of a .gltf or .glb file";
+    let bytes = read_named_file(path, &name, remedy, &mut memory)?;
     Source::beside(path, &bytes, options.allow_outside)
         .and_then(|source| assemble::scene(&name, &bytes, source, &options.progress))
         .map_err(|fault| fault.in_file(&name))
@@ -109,16 +113,27 @@ pub fn load_bytes(
         .map_err(|fault| fault.in_file(name))
 }
 
+/// An environment map from a file of its own.
+#[derive(Clone, Debug)]
+pub struct EnvironmentFile {
+    /// The map.
+    pub environment: EnvironmentDescription,
+    /// What the user should know about it, each a sentence that names the file.
+    pub warnings: Vec<String>,
+}
+
 /// Reads a lat-long environment map, `.hdr` or `.exr`.
 ///
 /// Texels that are negative or not a number become 0, infinite ones the
-/// brightest finite value of the map.
+/// brightest finite value of the map; that is a warning.
 ///
 /// # Errors
-/// When the file cannot be read or is neither of the two formats.
-pub fn load_environment(path: &Path) -> Result<EnvironmentDescription, LoadError> {
+/// When the file cannot be read, is neither of the two formats, or does not fit into memory.
+pub fn load_environment(path: &Path) -> Result<EnvironmentFile, LoadError> {
     let name = path.display().to_string();
-    let bytes = read_named_file(path, &name, "give the path of a .hdr or .exr file")?;
+    let mut memory = Share::default();
+    let remedy = "give the path of a .hdr or .exr file";
+    let bytes = read_named_file(path, &name, remedy, &mut memory)?;
     environment_from_bytes(&name, &bytes)
 }
 
@@ -126,16 +141,28 @@ pub fn load_environment(path: &Path) -> Result<EnvironmentDescription, LoadError
 ///
 /// # Errors
 /// As [`load_environment`].
-pub fn environment_from_bytes(
-    name: &str,
-    bytes: &[u8],
-) -> Result<EnvironmentDescription, LoadError> {
-    environment::decode(name, bytes)
-        .map(|decoded| decoded.environment)
-        .map_err(|fault| fault.in_file(name))
+pub fn environment_from_bytes(name: &str, bytes: &[u8]) -> Result<EnvironmentFile, LoadError> {
+    let decoded = environment::decode(name, bytes).map_err(|fault| fault.in_file(name))?;
+    let warnings = decoded.warnings.iter();
+    Ok(EnvironmentFile {
+        environment: decoded.environment,
+        warnings: warnings
+            .map(|w| one_line(&format!("{name}: {w}")))
+            .collect(),
+    })
 }
 
-fn read_named_file(path: &Path, name: &str, remedy: &str) -> Result<Vec<u8>, LoadError> {
-    source::read_regular_file(path, source::LARGEST_FILE)
-        .map_err(|problem| Fault::new("", problem, remedy).in_file(name))
+fn read_named_file(
+    path: &Path,
+    name: &str,
+    remedy: &str,
+    memory: &mut Share,
+) -> Result<Vec<u8>, LoadError> {
+    source::read_regular_file(path, source::LARGEST_FILE, memory).map_err(|error| {
+        let fault = match error {
+            DecodeError::Content(problem) => Fault::new("", problem, remedy),
+            DecodeError::Memory(shortage) => Fault::short("", "", shortage),
+        };
+        fault.in_file(name)
+    })
 }

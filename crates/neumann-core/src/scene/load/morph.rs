@@ -54,8 +54,9 @@ pub(super) fn add_targets(
         let Some(target) = primitive.list_item("targets", k)? else {
             break;
         };
-        let add = |key: &str, values: &mut dyn Iterator<Item = &mut Vec3>| {
-            add_weighted(file, &target, key, weight, vertices, values)
+        let mut n_odd = 0;
+        let mut add = |key: &str, values: &mut dyn Iterator<Item = &mut Vec3>| {
+            add_weighted(file, &target, key, weight, vertices, values).map(|n| n_odd += n)
         };
         add("POSITION", &mut mesh.positions.iter_mut())?;
         add("NORMAL", &mut mesh.normals.iter_mut().flatten())?;
@@ -66,10 +67,17 @@ pub(super) fn add_targets(
                 *tangent = xyz.extend(tangent.w);
             }
         }
+        if n_odd > 0 {
+            notes.warn(format!(
+                "{}: {n_odd} vectors are not finite and move nothing",
+                target.at()
+            ));
+        }
     }
     Ok(())
 }
 
+/// Adds one attribute; tells how many of its vectors are not finite and left out.
 fn add_weighted(
     file: &File<'_>,
     target: &Item<'_>,
@@ -77,12 +85,13 @@ fn add_weighted(
     weight: f32,
     vertices: &[u32],
     values: &mut dyn Iterator<Item = &mut Vec3>,
-) -> Result<(), Fault> {
+) -> Result<usize, Fault> {
     let Some(accessor) = Accessor::open(file, target, key, &["VEC3"])? else {
-        return Ok(());
+        return Ok(0);
     };
     file.allowance
         .spend(vertices.len(), size_of::<Vec3>(), target.at())?;
+    let mut n_odd = 0;
     for (value, &vertex) in values.zip(vertices) {
         if vertex as usize >= accessor.count() {
             return Err(Fault::broken(
@@ -90,7 +99,12 @@ fn add_weighted(
                 format!("is {}, fewer than there are positions", accessor.count()),
             ));
         }
-        *value += weight * Vec3::from_array(accessor.floats(vertex as usize));
+        let offset = weight * Vec3::from_array(accessor.floats(vertex as usize));
+        if offset.is_finite() {
+            *value += offset;
+        } else {
+            n_odd += 1;
+        }
     }
-    Ok(())
+    Ok(n_odd)
 }

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::tests::{Builder, exr, hdr, square};
 use super::{environment_from_bytes, load_bytes};
+use crate::radiometry::Rgb;
 use crate::scene::description::SceneDescription;
 
 /// Far more than any case needs, far less than a hang.
@@ -249,9 +250,10 @@ fn odd_environments_end_in_a_map_or_an_error() {
             let mut mutant = file.clone();
             damage_bytes(&mut mutant, &mut dice);
             let start = Instant::now();
-            if let Ok(map) = environment_from_bytes("mutant", &mutant) {
+            if let Ok(file) = environment_from_bytes("mutant", &mutant) {
+                let map = file.environment;
                 assert_eq!(map.texels.len(), map.width * map.height);
-                assert!(map.texels.iter().all(|texel| texel.is_radiance()));
+                assert!(map.texels.iter().all(Rgb::is_radiance));
             }
             assert!(start.elapsed() < LONGEST);
         }

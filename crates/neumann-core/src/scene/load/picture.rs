@@ -1,35 +1,38 @@
 //! Images of textures: PNG, JPEG and WebP, decoded in parallel.
 //!
 //! Only images that a used material refers to are fetched and decoded. A
-//! missing or broken image costs its textures and a warning, not the scene.
+//! missing or broken image costs its textures and a warning, not the scene;
+//! one for which there is no memory costs the scene, since its picture would
+//! otherwise depend on the machine.
 
-use std::collections::BTreeMap;
-use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
 
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::File;
 use super::error::{Fault, quoted};
 use super::material;
 use super::notes::Notes;
 use super::source::{Bytes, Source};
+use crate::decode::{DecodeError, bitmap};
+use crate::memory::{Share, Shortage};
 use crate::scene::description::{ImageDescription, MaterialDescription};
 
 /// Wider or higher images are refused.
 pub(super) const LARGEST_SIDE: u32 = 16384;
 
-/// One image may take this much while it is decoded.
-const LARGEST_IMAGE: u64 = 1 << 30;
-
-/// All images of a scene may take this much once decoded.
-const LARGEST_TOTAL: u64 = 4 << 30;
-
 /// Bytes of an image that wait to be decoded.
 enum Encoded<'a> {
     Fetched(Bytes),
     View(&'a [u8]),
+}
+
+/// An image that is paid for.
+struct Wanted<'a> {
+    name: String,
+    bytes: Encoded<'a>,
+    memory: Share,
 }
 
 /// Decodes the images of the used materials and lets their textures refer to
@@ -40,7 +43,7 @@ pub(super) fn read(
     materials: &mut [MaterialDescription],
     is_used: &[bool],
     notes: &mut Notes,
-) -> Vec<ImageDescription> {
+) -> Result<Vec<ImageDescription>, Fault> {
     let mut wanted = Vec::new();
     for (material, &is_used) in materials.iter_mut().zip(is_used) {
         for texture in material::textures(material) {
@@ -53,33 +56,30 @@ pub(super) fn read(
     wanted.sort_unstable();
     wanted.dedup();
 
-    // Fetching is sequential, for the sake of the hash.
-    let mut left = LARGEST_TOTAL;
+    // Fetching and paying are sequential, so that hash and errors do not depend on threads.
+    let mut working = Working::default();
     let mut encoded = Vec::with_capacity(wanted.len());
     for &index in &wanted {
-        let fetched = fetch(file, source, index).and_then(|(name, bytes)| {
-            let problem = |problem: String| Fault::broken(format!("images[{index}]"), problem);
-            let (width, height) = dimensions(&bytes).map_err(problem)?;
-            left = left
-                .checked_sub(4 * u64::from(width) * u64::from(height))
-                .ok_or_else(|| {
-                    problem(format!(
-                        "is {width} by {height}, and the images together pass {LARGEST_TOTAL} bytes"
-                    ))
-                })?;
-            Ok((name, bytes))
-        });
-        encoded.push(fetched);
+        encoded.push(fetch(file, source, index, &mut working)?);
     }
-    let decoded: Vec<Result<ImageDescription, Fault>> = encoded
+    let decoded: Vec<Result<ImageDescription, DecodeError>> = encoded
         .into_par_iter()
-        .zip(&wanted)
-        .map(|(encoded, index)| {
-            let (name, bytes) = encoded?;
-            decode(&name, &bytes)
-                .map_err(|problem| Fault::broken(format!("images[{index}]"), problem))
+        .map(|wanted| {
+            let Wanted {
+                name,
+                bytes,
+                memory,
+            } = wanted?;
+            let bitmap = bitmap::decode(&bytes, memory)?;
+            Ok(ImageDescription {
+                name,
+                width: bitmap.width,
+                height: bitmap.height,
+                texels: bitmap.texels,
+            })
         })
         .collect();
+    drop(working);
 
     let mut images = Vec::new();
     let mut image_from_file_index = BTreeMap::new();
@@ -89,11 +89,13 @@ pub(super) fn read(
                 image_from_file_index.insert(index, images.len());
                 images.push(image);
             }
-            Err(fault) => notes.warn(format!(
-                "image {}: {}; its textures are left out",
+            Err(DecodeError::Content(problem)) => notes.warn(format!(
+                "image {}: {problem}; its textures are left out",
                 quoted(&image_name(file, index)),
-                fault.what()
             )),
+            Err(DecodeError::Memory(shortage)) => {
+                return Err(too_large(file, index, "", &shortage));
+            }
         }
     }
     for texture in materials.iter_mut().flat_map(material::textures) {
@@ -102,7 +104,33 @@ pub(super) fn read(
             Some(found)
         });
     }
-    images
+    Ok(images)
+}
+
+/// What the decoders that run at one time take beside the texels: as many as there are threads,
+/// of which any may be the largest.
+#[derive(Default)]
+struct Working {
+    largest: BinaryHeap<Reverse<u64>>,
+    memory: Share,
+}
+
+impl Working {
+    fn add(&mut self, n_bytes: u64) -> Result<(), Shortage> {
+        let replaced = if self.largest.len() < rayon::current_num_threads() {
+            0
+        } else {
+            self.largest.peek().map_or(0, |least| least.0)
+        };
+        if n_bytes > replaced {
+            self.memory.grow(n_bytes - replaced)?;
+            if replaced > 0 {
+                self.largest.pop();
+            }
+            self.largest.push(Reverse(n_bytes));
+        }
+        Ok(())
+    }
 }
 
 impl std::ops::Deref for Encoded<'_> {
@@ -116,21 +144,59 @@ impl std::ops::Deref for Encoded<'_> {
     }
 }
 
-/// The bytes of an image of the file, from a URI or a buffer, and its name.
+/// The bytes of an image of the file, with memory for its texels.
+///
+/// The inner error costs the image, the outer one the scene.
 fn fetch<'a>(
     file: &'a File<'_>,
     source: &mut Source<'_>,
     index: usize,
-) -> Result<(String, Encoded<'a>), Fault> {
-    let item = file.document.item("images", index)?;
-    let encoded = match item.text("uri")? {
-        Some(uri) => Encoded::Fetched(source.fetch(uri, &item.path("uri"))?),
-        None => match file.buffers.view(&file.document, &item)? {
-            Some(view) => Encoded::View(view.bytes),
-            None => return Err(Fault::broken(item.at(), "has neither uri nor bufferView")),
-        },
+    working: &mut Working,
+) -> Result<Result<Wanted<'a>, DecodeError>, Fault> {
+    let encoded = match encoded(file, source, index) {
+        Ok(encoded) => encoded,
+        Err(fault) => return Ok(Err(DecodeError::Content(fault.what()))),
     };
-    Ok((image_name(file, index), encoded))
+    let header = match bitmap::header(&encoded) {
+        Ok(header) => header,
+        Err(error) => return Ok(Err(error)),
+    };
+    let (width, height) = (header.width, header.height);
+    let size = format!("is {width} by {height}");
+    if width.max(height) > LARGEST_SIDE as usize {
+        let problem = format!("{size}; at most {LARGEST_SIDE} each way are read");
+        return Ok(Err(DecodeError::Content(problem)));
+    }
+    let memory = Share::of_process(header.n_bytes)
+        .and_then(|memory| working.add(header.n_working_bytes).map(|()| memory))
+        .map_err(|shortage| too_large(file, index, &format!("{size} and "), &shortage))?;
+    Ok(Ok(Wanted {
+        name: image_name(file, index),
+        bytes: encoded,
+        memory,
+    }))
+}
+
+fn too_large(file: &File<'_>, index: usize, size: &str, shortage: &Shortage) -> Fault {
+    let name = quoted(&image_name(file, index));
+    let what = format!("{name} {size}");
+    Fault::short(format!("images[{index}]"), what.trim_end(), *shortage)
+}
+
+/// The bytes of an image of the file, from a URI or a buffer.
+fn encoded<'a>(
+    file: &'a File<'_>,
+    source: &mut Source<'_>,
+    index: usize,
+) -> Result<Encoded<'a>, Fault> {
+    let item = file.document.item("images", index)?;
+    match item.text("uri")? {
+        Some(uri) => Ok(Encoded::Fetched(source.fetch(uri, &item.path("uri"))?)),
+        None => match file.buffers.view(&file.document, &item)? {
+            Some(view) => Ok(Encoded::View(view.bytes)),
+            None => Err(Fault::broken(item.at(), "has neither uri nor bufferView")),
+        },
+    }
 }
 
 /// Name, else URI, else number.
@@ -141,97 +207,4 @@ fn image_name(file: &File<'_>, index: usize) -> String {
         item.name().or(uri.filter(|uri| !uri.starts_with("data:")))
     });
     name.map_or_else(|| format!("image {index}"), str::to_owned)
-}
-
-/// Width and height from the header.
-fn dimensions(bytes: &[u8]) -> Result<(u32, u32), String> {
-    quietly(|| reader(bytes)?.into_dimensions().map_err(broken))
-}
-
-/// Decodes to RGBA, eight bits a channel.
-fn decode(name: &str, bytes: &[u8]) -> Result<ImageDescription, String> {
-    let decoded = quietly(|| {
-        let mut decoder = reader(bytes)?.into_decoder().map_err(broken)?;
-        decoder.set_limits(limits()).map_err(broken)?;
-        DynamicImage::from_decoder(decoder).map_err(broken)
-    })?;
-    let rgba = decoded.into_rgba8();
-    let (width, height) = rgba.dimensions();
-    let (texels, _) = rgba.as_raw().as_chunks::<4>();
-    if texels.is_empty() {
-        return Err("has no texels".to_owned());
-    }
-    Ok(ImageDescription {
-        name: name.to_owned(),
-        width: width as usize,
-        height: height as usize,
-        texels: texels.to_vec(),
-    })
-}
-
-/// The format is told by the bytes; names and MIME types are often wrong.
-fn reader(bytes: &[u8]) -> Result<ImageReader<Cursor<&[u8]>>, String> {
-    let format = image::guess_format(bytes)
-        .ok()
-        .filter(|format| {
-            matches!(
-                format,
-                ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP
-            )
-        })
-        .ok_or("is not a PNG, JPEG or WebP image")?;
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    reader.limits(limits());
-    Ok(reader)
-}
-
-fn limits() -> Limits {
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(LARGEST_SIDE);
-    limits.max_image_height = Some(LARGEST_SIDE);
-    limits.max_alloc = Some(LARGEST_IMAGE);
-    limits
-}
-
-fn broken(error: impl std::fmt::Display) -> String {
-    format!("cannot be decoded ({error})")
-}
-
-/// Runs a decoder of others; should it panic on odd bytes, that is an error.
-pub(super) fn quietly<T>(decode: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(decode))
-        .unwrap_or_else(|_| Err("cannot be decoded (the decoder gave up)".to_owned()))
-}
-
-#[cfg(test)]
-mod tests {
-    use std::io::Cursor;
-
-    use image::{ImageFormat, RgbaImage};
-
-    use super::decode;
-
-    #[test]
-    fn formats_are_told_by_their_bytes() {
-        let image = RgbaImage::from_fn(3, 2, |x, y| image::Rgba([x as u8, y as u8, 7, 255]));
-        for format in [ImageFormat::Png, ImageFormat::WebP] {
-            let mut bytes = Cursor::new(Vec::new());
-            image.write_to(&mut bytes, format).unwrap();
-            let decoded = decode("x", bytes.get_ref()).unwrap();
-            assert_eq!((decoded.width, decoded.height), (3, 2));
-            assert_eq!(decoded.texels[4], [1, 1, 7, 255]);
-        }
-        assert!(decode("x", b"not an image").is_err());
-        assert!(decode("x", b"").is_err());
-    }
-
-    #[test]
-    fn claims_of_size_are_limited() {
-        let image = RgbaImage::new(1, 1);
-        let mut bytes = Cursor::new(Vec::new());
-        image.write_to(&mut bytes, ImageFormat::Png).unwrap();
-        let mut bytes = bytes.into_inner();
-        bytes[16..20].copy_from_slice(&1_000_000_u32.to_be_bytes());
-        assert!(decode("x", &bytes).is_err());
-    }
 }

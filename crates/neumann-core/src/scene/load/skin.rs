@@ -12,6 +12,7 @@ use super::accessor::Accessor;
 use super::error::Fault;
 use super::json::Item;
 use super::node::Hierarchy;
+use super::notes::Notes;
 use crate::scene::description::MeshDescription;
 
 /// Sets `JOINTS_0` to `JOINTS_3` are read: sixteen joints for each vertex.
@@ -30,6 +31,7 @@ impl Skin {
         file: &File<'_>,
         hierarchy: &Hierarchy,
         index: usize,
+        notes: &mut Notes,
     ) -> Result<Self, Fault> {
         let item = file.document.item("skins", index)?;
         let joints = item.indices("joints")?;
@@ -48,6 +50,7 @@ impl Skin {
                 ),
             ));
         }
+        let mut n_odd = 0;
         let mut world_from_bind = Vec::with_capacity(joints.len());
         for (i, &joint) in joints.iter().enumerate() {
             file.document
@@ -55,7 +58,16 @@ impl Skin {
             let inverse_bind = inverse_binds.as_ref().map_or(Mat4::IDENTITY, |matrices| {
                 Mat4::from_cols_array(&matrices.floats(i))
             });
-            world_from_bind.push(hierarchy.world_from_node[joint] * inverse_bind);
+            n_odd += usize::from(!inverse_bind.is_finite());
+            let inverse_bind = Some(inverse_bind).filter(|matrix| matrix.is_finite());
+            world_from_bind
+                .push(hierarchy.world_from_node[joint] * inverse_bind.unwrap_or(Mat4::IDENTITY));
+        }
+        if n_odd > 0 {
+            notes.warn(format!(
+                "{}: {n_odd} matrices are not finite; the identity stands in",
+                item.path("inverseBindMatrices")
+            ));
         }
         Ok(Self { world_from_bind })
     }
@@ -69,8 +81,9 @@ impl Skin {
         attributes: &Item<'_>,
         vertices: &[u32],
         mesh: &mut MeshDescription,
+        notes: &mut Notes,
     ) -> Result<bool, Fault> {
-        let Some(blended) = self.blend(file, attributes, vertices)? else {
+        let Some(blended) = self.blend(file, attributes, vertices, notes)? else {
             return Ok(false);
         };
         for (position, matrix) in mesh.positions.iter_mut().zip(&blended) {
@@ -111,7 +124,9 @@ impl Skin {
         file: &File<'_>,
         attributes: &Item<'_>,
         vertices: &[u32],
+        notes: &mut Notes,
     ) -> Result<Option<Vec<Mat4>>, Fault> {
+        let mut n_odd = 0;
         let mut sums: Option<Vec<(Mat4, f32)>> = None;
         for set in 0..MOST_SETS {
             let (joints_key, weights_key) = (format!("JOINTS_{set}"), format!("WEIGHTS_{set}"));
@@ -140,6 +155,7 @@ impl Skin {
                 let joints: [u32; 4] = joints.integers(vertex as usize);
                 let weights: [f32; 4] = weights.floats(vertex as usize);
                 for (joint, weight) in joints.into_iter().zip(weights) {
+                    n_odd += usize::from(!weight.is_finite());
                     if !(weight.is_finite() && weight > 0.0) {
                         continue;
                     }
@@ -156,6 +172,12 @@ impl Skin {
                     *total += weight;
                 }
             }
+        }
+        if n_odd > 0 {
+            notes.warn(format!(
+                "{}: {n_odd} weights of joints are not finite and count as 0",
+                attributes.at()
+            ));
         }
         Ok(sums.map(|sums| {
             let first = self.world_from_bind.first().copied().unwrap_or_default();

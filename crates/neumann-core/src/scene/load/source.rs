@@ -12,6 +12,8 @@ use std::sync::Arc;
 
 use super::error::{Fault, quoted};
 use super::uri::Uri;
+use crate::decode::DecodeError;
+use crate::memory::{self, Share};
 
 /// Larger files are refused.
 pub(super) const LARGEST_FILE: u64 = 4 << 30;
@@ -42,6 +44,8 @@ pub(super) struct Source<'a> {
     fetched: BTreeMap<PathBuf, Bytes>,
     n_bytes: u64,
     hash: u64,
+    /// Pays for what has been fetched, as long as the scene is read.
+    memory: Share,
 }
 
 impl<'a> Source<'a> {
@@ -73,6 +77,7 @@ impl<'a> Source<'a> {
             fetched: BTreeMap::new(),
             n_bytes: bytes.len() as u64,
             hash: fnv1a(FNV_OFFSET, bytes),
+            memory: Share::default(),
         }
     }
 
@@ -84,7 +89,12 @@ impl<'a> Source<'a> {
     /// The bytes that a URI stands for; `field` is where the URI is written.
     pub(super) fn fetch(&mut self, uri: &str, field: &str) -> Result<Bytes, Fault> {
         match Uri::parse(uri) {
-            Uri::Data(bytes) => Ok(Arc::new(bytes)), // Hashed with the file itself.
+            // Hashed with the file itself.
+            Uri::Data(bytes) => {
+                let paid = self.memory.grow(bytes.len() as u64);
+                paid.map_err(|shortage| Fault::short(field, "its data", shortage))?;
+                Ok(Arc::new(bytes))
+            }
             Uri::Relative(path) => self.fetch_relative(&path, field),
             Uri::Foreign => Err(Fault::new(
                 field,
@@ -119,8 +129,14 @@ impl<'a> Source<'a> {
                 resolve(path)
                     .ok_or_else(|| unreadable(field, &format!("{} does not exist", quoted(path))))?
             }
-            Place::Folder { .. } => read_regular_file(&key, left)
-                .map_err(|problem| unreadable(field, &format!("{} {problem}", quoted(path))))?,
+            Place::Folder { .. } => {
+                read_regular_file(&key, left, &mut self.memory).map_err(|error| match error {
+                    DecodeError::Content(problem) => {
+                        unreadable(field, &format!("{} {problem}", quoted(path)))
+                    }
+                    DecodeError::Memory(shortage) => Fault::short(field, &quoted(path), shortage),
+                })?
+            }
         };
         self.n_bytes += bytes.len() as u64;
         self.hash = fnv1a(self.hash, &bytes);
@@ -130,21 +146,26 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Reads a whole file, if it is one: no folder, no device, no pipe.
+/// Reads a whole file, if it is one: no folder, no device, no pipe; `memory` pays for it.
 ///
 /// The problem, if any, continues a sentence that begins with the file's name.
-pub(super) fn read_regular_file(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
+pub(super) fn read_regular_file(
+    path: &Path,
+    largest: u64,
+    memory: &mut Share,
+) -> Result<Vec<u8>, DecodeError> {
     let largest = largest.min(LARGEST_FILE);
     // Opening a pipe would wait for a writer, so the kind is asked first.
-    let describe = |error: std::io::Error| format!("cannot be read ({error})");
+    let describe =
+        |error: std::io::Error| DecodeError::Content(format!("cannot be read ({error})"));
     let check = |metadata: &fs::Metadata| {
         if !metadata.is_file() {
-            Err("is not a regular file".to_owned())
+            Err(DecodeError::Content("is not a regular file".to_owned()))
         } else if metadata.len() > largest {
-            Err(format!(
+            Err(DecodeError::Content(format!(
                 "has {} bytes; at most {largest} are read",
                 metadata.len()
-            ))
+            )))
         } else {
             Ok(())
         }
@@ -153,8 +174,10 @@ pub(super) fn read_regular_file(path: &Path, largest: u64) -> Result<Vec<u8>, St
     let file = File::open(path).map_err(describe)?;
     let metadata = file.metadata().map_err(describe)?;
     check(&metadata)?;
-    let mut bytes = Vec::with_capacity(usize::try_from(metadata.len()).unwrap_or(0));
-    file.take(largest)
+    memory.grow(metadata.len())?;
+    let mut bytes = memory::empty(usize::try_from(metadata.len()).unwrap_or(usize::MAX))?;
+    // Should it grow meanwhile, the rest is left.
+    file.take(metadata.len())
         .read_to_end(&mut bytes)
         .map_err(describe)?;
     Ok(bytes)

@@ -300,7 +300,8 @@ fn textures_find_their_images_and_coordinates() {
     let texture = scene.materials[0].emission_texture.unwrap();
     assert_eq!((texture.image, texture.uv_set), (0, 1));
     assert_eq!(scene.images[0].name, "tiny");
-    assert_eq!(scene.images[0].texels, [[1, 2, 3, 4]; 2]);
+    let texel = scene.images[0].texels.rgba(2, 1, 0).map(|c| c * 255.0);
+    assert_eq!(texel.map(f32::round), [1.0, 2.0, 3.0, 4.0]);
     assert_eq!(scene.meshes[0].uv_sets.len(), 2);
     assert!(scene.report.warnings[0].contains("TEXCOORD_1"));
 }
@@ -343,7 +344,7 @@ fn cameras_lights_environment_and_texts() {
     );
     assert_eq!(scene.lights.len(), 1);
     let environment = scene.environment.unwrap();
-    assert_eq!(environment.texels, [Rgb::new(1.0, 2.0, 3.0)]);
+    assert_eq!(environment.texels.get(0), Rgb::new(1.0, 2.0, 3.0));
     assert_eq!(environment.intensity, 2.0);
     assert!((environment.rotation - std::f32::consts::PI).abs() < 1e-6);
     assert_eq!(scene.report.warnings.len(), 3, "{:?}", scene.report);
@@ -373,17 +374,52 @@ pub(super) fn exr() -> Vec<u8> {
 
 #[test]
 fn environment_maps_of_both_formats() {
-    let load =
-        |bytes: &[u8]| -> EnvironmentDescription { environment_from_bytes("sky", bytes).unwrap() };
+    let load = |bytes: &[u8]| -> EnvironmentDescription {
+        environment_from_bytes("sky", bytes).unwrap().environment
+    };
     let map = load(&hdr());
     assert_eq!((map.width, map.height), (2, 1));
-    assert_eq!(
-        map.texels,
-        [Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 2.0, 0.0)]
-    );
+    let texels: Vec<Rgb> = map.texels.iter().collect();
+    assert_eq!(texels, [Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 2.0, 0.0)]);
     let map = load(&exr());
     assert_eq!((map.width, map.height), (4, 2));
-    assert_eq!(map.texels[0], Rgb::new(3.0, 0.0, 0.0));
-    assert_eq!(map.texels[7], Rgb::new(3.0, 0.5, 0.25));
+    assert_eq!(map.texels.get(0), Rgb::new(3.0, 0.0, 0.0));
+    assert_eq!(map.texels.get(7), Rgb::new(3.0, 0.5, 0.25));
     assert!(environment_from_bytes("sky", b"P6 1 1").is_err());
+}
+
+/// A square whose attribute is made of the numbers.
+fn square_with(attribute: &str, kind: &str, numbers: &[f32]) -> SceneDescription {
+    let mut builder = square();
+    let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+    let view = builder.view(&bytes);
+    let n = numbers.len() / 4;
+    let accessors = builder.json["accessors"].as_array_mut().unwrap();
+    accessors.push(json!({"bufferView": view, "componentType": 5126, "count": 4, "type": kind}));
+    let index = accessors.len() - 1;
+    assert!(n > 0);
+    builder.primitive()["attributes"][attribute] = json!(index);
+    builder.load().unwrap()
+}
+
+#[test]
+fn numbers_that_are_none_are_mended_and_counted() {
+    let (nan, inf) = (f32::NAN, f32::INFINITY);
+    let scene = square_with(
+        "TEXCOORD_0",
+        "VEC2",
+        &[0.5, nan, inf, 0.0, 1.0, 1.0, 0.0, 1.0],
+    );
+    let uvs = &scene.meshes[0].uv_sets[0];
+    assert_eq!(uvs[..3], [Vec2::ZERO, Vec2::ZERO, Vec2::ONE]);
+    let warning = &scene.report.warnings[0];
+    assert!(warning.contains("2 of 4 TEXCOORD_0"), "{warning}");
+
+    let mut colors = [0.5; 16];
+    colors[6] = nan;
+    let scene = square_with("COLOR_0", "VEC4", &colors);
+    let colors = scene.meshes[0].colors.as_ref().unwrap();
+    assert_eq!(colors[..2], [Vec4::splat(0.5), Vec4::ONE]);
+    let warning = &scene.report.warnings[0];
+    assert!(warning.contains("1 of 4 vertex colours"), "{warning}");
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{Context, Rect, Ui, pos2};
+use neumann_core::scene::load::LoadOptions;
 use neumann_core::scene::{OpeningProgress, Scene};
 
 use crate::display::{ViewSettings, image_area};
@@ -160,8 +161,12 @@ impl App {
 
     /// Begins to open a scene; the present one stays until it is there, and if it never is.
     pub fn open_scene(&mut self, source: String) {
-        let allow_outside = self.options.allow_outside;
-        let progress = self.background.open_scene(source.clone(), allow_outside);
+        let options = LoadOptions {
+            allow_outside: self.options.allow_outside,
+            allow_hidden: self.options.allow_hidden,
+            ..LoadOptions::default()
+        };
+        let progress = self.background.open_scene(source.clone(), options);
         self.loading = Some(Loading { source, progress });
     }
 

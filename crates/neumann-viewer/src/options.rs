@@ -42,6 +42,8 @@ pub struct ViewOptions {
     pub screenshot: Option<Screenshot>,
     /// Let relative URIs leave the scene's folder.
     pub allow_outside: bool,
+    /// Let relative URIs lead to hidden files and folders.
+    pub allow_hidden: bool,
 }
 
 /// A picture of the window itself.

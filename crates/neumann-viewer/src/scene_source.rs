@@ -70,11 +70,7 @@ impl Background {
     }
 
     /// Opens a built-in scene by name or a file by path.
-    pub fn open_scene(&mut self, source: String, allow_outside: bool) -> OpeningProgress {
-        let options = LoadOptions {
-            allow_outside,
-            progress: OpeningProgress::default(),
-        };
+    pub fn open_scene(&mut self, source: String, options: LoadOptions) -> OpeningProgress {
         let progress = options.progress.clone();
         self.run("neumann-load", move || {
             let build = |description| Scene::build_quickly(&description, &options.progress);

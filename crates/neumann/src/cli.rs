@@ -6,7 +6,9 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use neumann_core::film::View;
 
-use crate::options::{DisplayOptions, GoalOptions, LoadArguments, SettingsOptions};
+use crate::options::{
+    DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, positive, size, whole,
+};
 
 /// The whole command line.
 #[derive(Debug, Parser)]
@@ -74,10 +76,10 @@ pub(crate) struct ViewArguments {
     #[arg(long, default_value = "L", value_name = "VIEW")]
     pub(crate) view: View,
     /// Stop after so many iterations
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX), allow_hyphen_values = true)]
     pub(crate) iterations: Option<u32>,
     /// Stop after so much time of rendering
-    #[arg(long, value_name = "SECONDS", value_parser = crate::options::positive)]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     pub(crate) time: Option<f64>,
     /// Draw the window to a PNG file instead of opening it; needs no display
     #[arg(long, value_name = "FILE.png")]
@@ -87,11 +89,13 @@ pub(crate) struct ViewArguments {
         long,
         value_name = "ITERATIONS",
         default_value_t = 16,
-        requires = "screenshot"
+        requires = "screenshot",
+        value_parser = whole(0..=u32::MAX),
+        allow_hyphen_values = true
     )]
     pub(crate) after: u32,
     /// Size of the window on the screenshot
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = crate::options::size, requires = "screenshot")]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, requires = "screenshot", allow_hyphen_values = true)]
     pub(crate) window_size: (usize, usize),
     /// Use the light theme on the screenshot
     #[arg(long, requires = "screenshot")]
@@ -106,11 +110,11 @@ pub(crate) struct ViewArguments {
     With --resume all of them count what is in the file already, so the same command line finishes what was interrupted.\n\n\
     Examples:\n  \
     neumann render cornell -o c.exr -o c.png --iterations 256\n  \
-    neumann render room.gltf -o room.exr --integrator pt-nee --size 1280x720 --until-error 0.01\n  \
+    neumann render room.gltf -o nee.exr --integrator pt-nee --size 1280x720 --until-error 0.01\n  \
     neumann render room.gltf -o room.exr --iterations 4096 --resume\n  \
     neumann render lamps -o l.exr --integrator bdpt --techniques pyramid\n  \
     neumann render room.gltf -o part2.exr --first-iteration 1024 --iterations 1024 --threads 8\n  \
-    neumann render cornell -o c.exr --eye 0,1,4 --target 0,1,0 --fov 35 --set roulette-depth=8 --json"
+    neumann render cornell -o c.exr --eye 0,1,4 --target 0,1,0 --fov 35 --set roulette=off --json"
 )]
 pub(crate) struct RenderArguments {
     /// A .gltf or .glb file, or the name of a built-in scene
@@ -139,7 +143,8 @@ pub(crate) struct RenderArguments {
         value_name = "N",
         default_value_t = 4,
         requires = "techniques",
-        value_parser = clap::value_parser!(u32).range(1..)
+        value_parser = whole(1..=u32::MAX),
+        allow_hyphen_values = true
     )]
     pub(crate) techniques_divisor: u32,
     /// End with one JSON object on stdout
@@ -284,8 +289,13 @@ mod tests {
     fn every_subcommand_has_examples() {
         for command in Cli::command().get_subcommands() {
             let help = command.get_after_help().map(ToString::to_string);
-            let has_examples = help.is_some_and(|h| h.contains("Examples:"));
-            assert!(has_examples, "{}", command.get_name());
+            let help = help.unwrap_or_default();
+            let (_, examples) = help.split_once("Examples:\n").unwrap();
+            for line in examples.lines() {
+                let words = line.split(" >").next().unwrap().split_whitespace();
+                let read = Cli::try_parse_from(words);
+                assert!(read.is_ok(), "{line}: {}", read.unwrap_err());
+            }
         }
     }
 
@@ -320,6 +330,14 @@ mod tests {
             "render cornell -o a.exr --size 0x4",
             "render cornell -o a.exr --iterations 0",
             "render cornell -o a.exr --time -3",
+            "render cornell -o a.exr --time=-1",
+            "render cornell -o a.exr --time nan",
+            "render cornell -o a.exr --until-error inf",
+            "render cornell -o a.exr --iterations 4294967296",
+            "render cornell -o a.exr --iterations -1",
+            "render cornell -o a.exr --first-iteration -1",
+            "render cornell -o a.exr --seed -1",
+            "render cornell -o a.exr --exposure 1e30",
             "render cornell -o a.exr --eye 1,2",
             "render cornell -o a.exr --fov 190",
             "render cornell -o a.exr --integrator magic",

@@ -18,7 +18,9 @@ use crate::outputs::{self, Kind};
 
 pub(crate) fn run(arguments: &CompareArguments) -> Outcome {
     if let Some(output) = &arguments.output {
-        outputs::check(std::slice::from_ref(output))?;
+        let output = std::slice::from_ref(output);
+        outputs::check(output)?;
+        outputs::refuse_inputs(output, [&arguments.image, &arguments.reference])?;
     }
     let layer = arguments.layer.as_deref();
     let mut memory = Share::default();

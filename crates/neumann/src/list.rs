@@ -90,10 +90,11 @@ fn parameters() -> String {
             let unit = if p.unit.is_empty() {
                 String::new()
             } else {
-                format!(" {}", p.unit)
+                format!(", {}", p.unit)
             };
+            // The first word is what --set takes.
             lines.push(format!(
-                "  {}={}{unit}  {} ({})",
+                "  {}={}  {} ({}{unit})",
                 p.name,
                 p.format(p.default_value()),
                 p.about,
@@ -134,4 +135,40 @@ fn parameter_json(integrator: &str, p: &Parameter) -> Value {
         "default": default,
         "range": range,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use neumann_core::integrator::{METHODS, ParameterValues};
+
+    #[test]
+    fn what_is_listed_is_what_set_takes() {
+        let text = super::parameters();
+        let mut n_taken = 0;
+        for method in METHODS {
+            let block = text.split_once(&format!("{}:", method.id)).unwrap().1;
+            for p in method.parameters {
+                let line = block
+                    .lines()
+                    .find(|line| line.trim_start().starts_with(&format!("{}=", p.name)))
+                    .unwrap();
+                let (name, value) = line
+                    .split_whitespace()
+                    .next()
+                    .unwrap()
+                    .split_once('=')
+                    .unwrap();
+                let defaults = ParameterValues::defaults(method.parameters);
+                // In both spellings: words joined by hyphens, and as they once were.
+                for name in [name.to_owned(), name.replace('-', "_")] {
+                    let mut values = defaults.clone();
+                    values.set(method.parameters, &name, value).unwrap();
+                    assert_eq!(values, defaults, "{} {line}", method.id);
+                }
+                assert!(!p.name.contains('_'), "{}: join words by hyphens", p.name);
+                n_taken += 1;
+            }
+        }
+        assert!(n_taken > 20, "{n_taken}");
+    }
 }

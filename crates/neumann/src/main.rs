@@ -21,8 +21,10 @@ mod render;
 mod series;
 mod session;
 mod start;
+mod suggest;
 mod view;
 
+use std::env;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -30,7 +32,14 @@ use clap::Parser;
 use cli::{Cli, Command};
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => match suggest::about_line(env::args_os()) {
+            Some(suggestion) => return failure::exit_code(Err(suggestion)),
+            None => error.exit(),
+        },
+        Err(help) => help.exit(),
+    };
     if let Some(bytes) = cli.memory {
         neumann_core::memory::allow(bytes);
     }

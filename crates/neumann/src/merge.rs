@@ -11,6 +11,7 @@ use crate::outputs::{self, Picture};
 
 pub(crate) fn run(arguments: &MergeArguments) -> Outcome {
     outputs::check(&arguments.outputs)?;
+    outputs::refuse_inputs(&arguments.outputs, &arguments.inputs)?;
     let mut parts = Vec::new();
     for path in &arguments.inputs {
         parts.push((path, read_exr(path).or_bad_input()?));

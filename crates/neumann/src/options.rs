@@ -12,6 +12,7 @@ use glam::Vec3;
 use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, ParameterValues, method};
 use neumann_core::render::{RenderSettings, WorkerPool};
+use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::description::CameraDescription;
 use neumann_core::scene::load::{LoadOptions, load_environment};
 use neumann_core::scene::{self, Scene};
@@ -20,8 +21,9 @@ use neumann_picture::tone::{Display, ToneCurve};
 use crate::console;
 use crate::failure::{OrBadInput, Outcome, bad_input};
 use crate::progress::while_waiting;
+use crate::suggest::check_scene;
 
-pub(crate) use parse::{bytes, positive, size};
+pub(crate) use parse::{bytes, positive, size, whole};
 
 /// Highest power of T where nothing else is asked for.
 const DEFAULT_MAX_BOUNCES: u32 = 16;
@@ -32,6 +34,9 @@ pub(crate) struct LoadArguments {
     /// Let relative URIs of the scene leave its folder
     #[arg(long)]
     pub(crate) allow_outside: bool,
+    /// Let relative URIs of the scene lead to hidden files and folders
+    #[arg(long)]
+    pub(crate) allow_hidden: bool,
 }
 
 /// What determines the picture.
@@ -44,19 +49,19 @@ pub(crate) struct SettingsOptions {
     #[arg(long, value_name = "NAME=VALUE", value_parser = parse::assignment)]
     pub(crate) set: Vec<(String, String)>,
     /// Size of the picture, pixels [default: the camera's shape, 512 on the longer edge]
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub(crate) size: Option<(usize, usize)>,
     /// Highest power of T that is computed
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_BOUNCES, value_parser = clap::value_parser!(u32).range(0..=65_535))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_BOUNCES, value_parser = parse::whole(0..=65_535), allow_hyphen_values = true)]
     pub(crate) max_bounces: u32,
     /// Bounce layers kept apart; everything beyond them goes to one more, the tail
-    #[arg(long, value_name = "K", default_value_t = DEFAULT_LAYERS as u32, value_parser = clap::value_parser!(u32).range(1..=64))]
+    #[arg(long, value_name = "K", default_value_t = DEFAULT_LAYERS as u32, value_parser = parse::whole(1..=64), allow_hyphen_values = true)]
     pub(crate) layers: u32,
     /// Seed of all random numbers
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, value_parser = parse::long_whole, allow_hyphen_values = true)]
     pub(crate) seed: u64,
     /// Threads that render [default: all]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = parse::whole(1..=1024), allow_hyphen_values = true)]
     pub(crate) threads: Option<u32>,
     #[command(flatten)]
     pub(crate) camera: CameraArguments,
@@ -83,13 +88,13 @@ pub(crate) struct CameraArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = parse::vector, allow_hyphen_values = true)]
     pub(crate) up: Option<Vec3>,
     /// Vertical angle of view, degrees
-    #[arg(long, value_name = "DEG", value_parser = parse::angle_of_view)]
+    #[arg(long, value_name = "DEG", value_parser = parse::angle_of_view, allow_hyphen_values = true)]
     pub(crate) fov: Option<f32>,
     /// Diameter of the lens opening, metres; 0 for a pinhole
-    #[arg(long, value_name = "M", value_parser = parse::not_negative)]
+    #[arg(long, value_name = "M", value_parser = parse::not_negative, allow_hyphen_values = true)]
     pub(crate) aperture: Option<f32>,
     /// Distance of what is sharp, metres [default: of what is in the middle of the picture]
-    #[arg(long, value_name = "M", value_parser = parse::positive_single)]
+    #[arg(long, value_name = "M", value_parser = parse::positive_single, allow_hyphen_values = true)]
     pub(crate) focus: Option<f32>,
 }
 
@@ -102,10 +107,10 @@ pub(crate) struct EnvironmentArguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) env: Option<PathBuf>,
     /// Factor on the environment
-    #[arg(long, value_name = "F", value_parser = parse::not_negative)]
+    #[arg(long, value_name = "F", value_parser = parse::not_negative, allow_hyphen_values = true)]
     pub(crate) env_intensity: Option<f32>,
     /// Turn of the environment about the vertical, degrees
-    #[arg(long, value_name = "DEG", value_parser = parse::finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = parse::finite, allow_hyphen_values = true)]
     pub(crate) env_rotation: Option<f32>,
 }
 
@@ -114,7 +119,7 @@ pub(crate) struct EnvironmentArguments {
 #[command(next_help_heading = "Display")]
 pub(crate) struct DisplayOptions {
     /// Exposure, stops
-    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = parse::finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = parse::stops, allow_hyphen_values = true)]
     pub(crate) exposure: f32,
     /// Tone curve
     #[arg(long, value_name = "CURVE", default_value = "none", value_parser = tone_curves())]
@@ -126,16 +131,16 @@ pub(crate) struct DisplayOptions {
 #[command(next_help_heading = "How long")]
 pub(crate) struct GoalOptions {
     /// Number of iterations of the picture
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = parse::whole(1..=u32::MAX), allow_hyphen_values = true)]
     pub(crate) iterations: Option<u32>,
     /// Time of rendering
-    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     pub(crate) time: Option<f64>,
     /// Estimated relative error of the picture, such as 0.01
-    #[arg(long, value_name = "RELATIVE", value_parser = positive)]
+    #[arg(long, value_name = "RELATIVE", value_parser = positive, allow_hyphen_values = true)]
     pub(crate) until_error: Option<f64>,
     /// Number of the first iteration; renders with different ones can be merged
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse::whole(0..=u32::MAX), allow_hyphen_values = true)]
     pub(crate) first_iteration: u32,
 }
 
@@ -156,8 +161,10 @@ pub(crate) fn open_scene(
 ) -> Outcome<Scene> {
     let options = LoadOptions {
         allow_outside: load.allow_outside,
+        allow_hidden: load.allow_hidden,
         ..LoadOptions::default()
     };
+    check_scene(name)?;
     let mut description =
         while_waiting(&format!("reading {name}"), || scene::open(name, &options)).or_bad_input()?;
     if let Some(path) = &environment.env {
@@ -234,6 +241,16 @@ impl SettingsOptions {
             seed: self.seed,
         };
         Ok((Arc::new(scene), settings))
+    }
+
+    /// The files that a scene is made of.
+    pub(crate) fn inputs(&self, name: &str, scene: &Scene) -> Vec<PathBuf> {
+        let mut inputs = scene.report().files.clone();
+        if builtin(name).is_none() {
+            inputs.push(PathBuf::from(name));
+        }
+        inputs.extend(self.environment.env.clone());
+        inputs
     }
 
     /// The threads that render.

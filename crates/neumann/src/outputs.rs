@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use neumann_core::film::{Features, Film};
+use neumann_core::render::RenderSettings;
 use neumann_picture::Image;
 use neumann_picture::exr_file::{Metadata, Precision, write_exr_as};
-use neumann_picture::files::check_destination;
+use neumann_picture::files::{self, check_destination, is_same_place};
 use neumann_picture::png_file::{Pixels8, write_png};
 use neumann_picture::tone::Display;
 
@@ -37,12 +38,44 @@ pub(crate) fn check(paths: &[PathBuf]) -> Outcome {
     for (i, path) in paths.iter().enumerate() {
         kind(path)?;
         check_destination(path).or_bad_input()?;
-        if paths[..i].contains(path) {
+        if paths[..i].iter().any(|other| is_same_place(path, other)) {
             return Err(bad_input(format!(
                 "{}: is named twice; name each output once",
                 path.display()
             )));
         }
+    }
+    Ok(())
+}
+
+/// Refuses to write over a file that is read.
+pub(crate) fn refuse_inputs<'a>(
+    outputs: &[PathBuf],
+    inputs: impl IntoIterator<Item = &'a PathBuf>,
+) -> Outcome {
+    for input in inputs {
+        if let Some(output) = outputs.iter().find(|output| is_same_place(output, input)) {
+            return Err(bad_input(format!(
+                "{}: is read as {}, and would be lost; choose another output",
+                output.display(),
+                input.display()
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a render whose file will not find room: a film is hardly ever made smaller than to an
+/// eighth by compression.
+pub(crate) fn check_space(paths: &[PathBuf], film: &RenderSettings) -> Outcome {
+    let n_pixels = film.width as u64 * film.height as u64;
+    for path in paths {
+        let bytes_of_pixel = match kind(path)? {
+            // Colour of all layers, the tail, L, variance, albedo and normal, and depth.
+            Kind::Exr => 4 * (3 * (film.n_layers as u64 + 5) + 1),
+            Kind::Png => 3,
+        };
+        files::check_space(path, n_pixels * bytes_of_pixel / 8).or_bad_input()?;
     }
     Ok(())
 }
@@ -108,7 +141,7 @@ impl Picture<'_> {
 mod tests {
     use std::path::{Path, PathBuf};
 
-    use super::{Kind, check, checkpoint, kind};
+    use super::{Kind, check, checkpoint, kind, refuse_inputs};
 
     #[test]
     fn kinds_follow_from_names() {
@@ -126,6 +159,11 @@ mod tests {
         assert!(checkpoint(&paths[..1]).is_err());
         let twice = vec![paths[0].clone(), paths[0].clone()];
         assert!(check(&twice).unwrap_err().to_string().contains("twice"));
+        let spelt = vec![paths[0].clone(), folder.join("./neumann-a.png")];
+        assert!(check(&spelt).unwrap_err().to_string().contains("twice"));
+        let error = refuse_inputs(&paths, &[folder.join(".").join("neumann-a.exr")]);
+        assert!(error.unwrap_err().to_string().contains("is read"));
+        refuse_inputs(&paths, &[folder.join("neumann-b.exr")]).unwrap();
         assert!(check(&[PathBuf::from("/no/such/folder/a.png")]).is_err());
     }
 }

@@ -21,10 +21,16 @@ use crate::session::{Goal, Rendered, Session, peak_bytes};
 
 pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
     outputs::check(&arguments.outputs)?;
+    let mut outputs = arguments.outputs.clone();
     if let Some(folder) = &arguments.techniques {
         make_folder(folder)?;
+        outputs.extend([TECHNIQUES_EXR, TECHNIQUES_PNG].map(|name| folder.join(name)));
+        outputs::check(&outputs)?;
     }
     let (scene, settings) = arguments.settings.resolve(&arguments.scene)?;
+    let inputs = arguments.settings.inputs(&arguments.scene, &scene);
+    outputs::refuse_inputs(&outputs, &inputs)?;
+    outputs::check_space(&arguments.outputs, &settings)?;
     let session = Session {
         scene,
         settings,
@@ -66,6 +72,10 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
     completeness(&rendered)
 }
 
+/// Files in the folder of techniques.
+const TECHNIQUES_EXR: &str = "techniques.exr";
+const TECHNIQUES_PNG: &str = "techniques.png";
+
 /// Writes the pyramid of techniques.
 fn write_techniques(
     folder: &Path,
@@ -80,12 +90,9 @@ fn write_techniques(
         ("integrator", metadata.integrator.as_str()),
         ("iterations", n_iterations.as_str()),
     ];
-    write_techniques_exr(&folder.join("techniques.exr"), film, &notes)?;
+    write_techniques_exr(&folder.join(TECHNIQUES_EXR), film, &notes)?;
     let info = SheetInfo::of(&rendered.film, metadata, display);
-    write_png(
-        &folder.join("techniques.png"),
-        &technique_sheet(film, &info),
-    )?;
+    write_png(&folder.join(TECHNIQUES_PNG), &technique_sheet(film, &info))?;
     Ok(())
 }
 

@@ -16,13 +16,21 @@ use crate::cli::SeriesArguments;
 use crate::console;
 use crate::failure::{OrBadInput, Outcome, bad_input};
 use crate::interrupt;
-use crate::outputs::Picture;
+use crate::outputs::{self, Picture};
 use crate::render::{completeness, refuse_empty, report, summary};
 use crate::session::{Goal, Rendered, Session};
 
 pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
     make_folder(&arguments.folder)?;
     let (scene, settings) = arguments.settings.resolve(&arguments.scene)?;
+    let outputs = names(settings.n_layers, settings.max_bounces)
+        .into_iter()
+        .map(|name| arguments.folder.join(name))
+        .collect::<Vec<_>>();
+    outputs::check(&outputs)?;
+    let inputs = arguments.settings.inputs(&arguments.scene, &scene);
+    outputs::refuse_inputs(&outputs, &inputs)?;
+    outputs::check_space(&outputs[..1], &settings)?;
     let session = Session {
         scene,
         settings,
@@ -51,6 +59,8 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
 
 /// The file that holds all layers.
 const CHECKPOINT: &str = "L.exr";
+/// The file that shows all of them.
+const SHEET: &str = "sheet.png";
 
 /// Makes the folder if it is not there, and finds out whether it can be written to.
 pub(crate) fn make_folder(folder: &Path) -> Outcome {
@@ -76,14 +86,13 @@ pub(crate) fn write(folder: &Path, rendered: &Rendered, display: Display) -> Out
     };
     picture.write(&checkpoint)?;
     let mut outputs = vec![checkpoint];
-    for view in views(film, rendered.metadata.max_bounces) {
-        let name = view.to_string().replace(':', "");
+    for view in views(film.n_layers(), rendered.metadata.max_bounces) {
         let image = image_of(film, view);
-        let png = folder.join(format!("{name}.png"));
+        let png = folder.join(name_of(view, "png"));
         write_png(&png, &Pixels8::of(&image, &display))?;
         outputs.push(png);
         if view != View::Total {
-            let exr = folder.join(format!("{name}.exr"));
+            let exr = folder.join(name_of(view, "exr"));
             let notes = [
                 ("scene", rendered.metadata.scene.as_str()),
                 ("view", &view.to_string()),
@@ -92,17 +101,32 @@ pub(crate) fn write(folder: &Path, rendered: &Rendered, display: Display) -> Out
             outputs.push(exr);
         }
     }
-    let path = folder.join("sheet.png");
+    let path = folder.join(SHEET);
     let info = SheetInfo::of(film, &rendered.metadata, display);
     write_png(&path, &sheet(film, &info))?;
     outputs.push(path);
     Ok(outputs)
 }
 
+fn name_of(view: View, extension: &str) -> String {
+    format!("{}.{extension}", view.to_string().replace(':', ""))
+}
+
+/// All files of a series, the one that holds all layers first.
+fn names(n_layers: usize, max_bounces: u32) -> Vec<String> {
+    let views = views(n_layers, max_bounces);
+    let others = views.iter().filter(|view| **view != View::Total);
+    [CHECKPOINT.to_owned(), SHEET.to_owned()]
+        .into_iter()
+        .chain(views.iter().map(|view| name_of(*view, "png")))
+        .chain(others.map(|view| name_of(*view, "exr")))
+        .collect()
+}
+
 /// Terms, partial sums and L, as far as they were computed.
-fn views(film: &Film, max_bounces: u32) -> Vec<View> {
-    let n_terms = film.n_layers().min(max_bounces as usize + 1);
-    let has_tail = max_bounces as usize >= film.n_layers();
+fn views(n_layers: usize, max_bounces: u32) -> Vec<View> {
+    let n_terms = n_layers.min(max_bounces as usize + 1);
+    let has_tail = max_bounces as usize >= n_layers;
     (0..n_terms)
         .map(View::Term)
         .chain(has_tail.then_some(View::Tail))
@@ -124,23 +148,34 @@ fn image_of(film: &Film, view: View) -> Image {
 
 #[cfg(test)]
 mod tests {
-    use neumann_core::film::{Film, View};
+    use neumann_core::film::View;
 
-    use super::views;
+    use super::{names, views};
 
     #[test]
     fn views_are_those_that_were_computed() {
-        let film = Film::new(1, 1, 3);
-        let names = |max_bounces| {
-            let views = views(&film, max_bounces);
+        let listed = |max_bounces| {
+            let views = views(3, max_bounces);
             views
                 .iter()
                 .map(View::to_string)
                 .collect::<Vec<_>>()
                 .join(" ")
         };
-        assert_eq!(names(16), "T0 T1 T2 tail upto:0 upto:1 upto:2 L");
-        assert_eq!(names(3), "T0 T1 T2 tail upto:0 upto:1 upto:2 L");
-        assert_eq!(names(1), "T0 T1 upto:0 upto:1 L");
+        assert_eq!(listed(16), "T0 T1 T2 tail upto:0 upto:1 upto:2 L");
+        assert_eq!(listed(3), "T0 T1 T2 tail upto:0 upto:1 upto:2 L");
+        assert_eq!(listed(1), "T0 T1 upto:0 upto:1 L");
+        assert_eq!(
+            names(3, 0),
+            [
+                "L.exr",
+                "sheet.png",
+                "T0.png",
+                "upto0.png",
+                "L.png",
+                "T0.exr",
+                "upto0.exr"
+            ]
+        );
     }
 }

@@ -104,7 +104,7 @@ impl Session {
     /// Checks that there is memory enough, and iteration numbers.
     pub(crate) fn check(&self) -> Outcome {
         memory::check(&self.settings)?;
-        let n = self.goal.iterations.unwrap_or(0);
+        let n = self.goal.iterations.unwrap_or(1);
         if self.first_iteration.checked_add(n).is_none() {
             return Err(bad_input(
                 "--first-iteration: too large for that many iterations; numbers go up to 4294967295",

@@ -11,6 +11,7 @@ use crate::options::{GoalOptions, SettingsOptions};
 use crate::render::{completeness, refuse_empty, summary};
 use crate::series;
 use crate::session::{Goal, Session};
+use crate::suggest::check_scene_or_subcommand;
 use crate::view::{self, NoWindow};
 
 /// The scene where none is named.
@@ -20,7 +21,7 @@ const FOLDER: &str = "neumann-out";
 
 pub(crate) fn run(scene: Option<&str>) -> Outcome {
     let scene = scene.unwrap_or(DEFAULT_SCENE);
-    view::check_scene(scene)?;
+    check_scene_or_subcommand(scene)?;
     match view::open(scene) {
         Ok(()) => Ok(()),
         Err(NoWindow::Impossible(reason)) => {

@@ -1,12 +1,11 @@
 //! `neumann view`: the window.
 
-use std::path::Path;
-
-use neumann_core::scene::builtin::builtin;
-
 #[cfg(not(feature = "window"))]
 use crate::cli::ViewArguments;
-use crate::failure::{Outcome, bad_input};
+#[cfg(not(feature = "window"))]
+use crate::failure::Outcome;
+#[cfg(not(feature = "window"))]
+use crate::suggest::check_scene;
 
 #[cfg(feature = "window")]
 mod window;
@@ -21,16 +20,6 @@ pub(crate) enum NoWindow {
         expect(dead_code, reason = "without a window nothing goes wrong with it")
     )]
     Failed(anyhow::Error),
-}
-
-/// Refuses what is neither a built-in scene nor a file, before a window opens.
-pub(crate) fn check_scene(scene: &str) -> Outcome {
-    if builtin(scene).is_some() || Path::new(scene).exists() {
-        return Ok(());
-    }
-    Err(bad_input(format!(
-        "{scene}: neither a built-in scene nor a file; 'neumann list scenes' and 'neumann --help' show what there is"
-    )))
 }
 
 #[cfg(feature = "window")]

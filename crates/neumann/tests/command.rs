@@ -1,6 +1,14 @@
 //! The command as its users meet it: exit codes, files, JSON, resume, merge, threads.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(clippy::print_stderr, reason = "a test says what it leaves out")]
+
+#[path = "command/examples.rs"]
+mod examples;
+#[path = "command/refusals.rs"]
+mod refusals;
+#[path = "command/signals.rs"]
+mod signals;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -35,6 +43,8 @@ impl Folder {
             .current_dir(&self.0)
             .env_remove("DISPLAY")
             .env_remove("WAYLAND_DISPLAY")
+            .env("HOME", &self.0)
+            .env("XDG_CONFIG_HOME", &self.0)
             .output()
             .unwrap()
     }
@@ -281,7 +291,8 @@ fn what_does_not_belong_together_is_neither_resumed_nor_merged() {
         ("--seed 1", "seed"),
         ("--integrator pt-nee", "integrator"),
         ("--max-bounces 3", "max-bounces"),
-        ("--fov 20", "camera"),
+        ("--fov 20", "camera's projection"),
+        ("--eye 0,1,3", "camera's position"),
         ("--layers 3", "layers"),
         ("--size 8x8", "size"),
     ];

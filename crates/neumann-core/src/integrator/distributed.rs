@@ -33,7 +33,7 @@ pub(super) static METHOD: Method = Method {
     has_techniques: false,
     parameters: &[
         Parameter {
-            name: "lens_samples",
+            name: "lens-samples",
             title: "lens samples",
             unit: "",
             about: "Camera rays through each pixel.",
@@ -44,7 +44,7 @@ pub(super) static METHOD: Method = Method {
             },
         },
         Parameter {
-            name: "light_samples",
+            name: "light-samples",
             title: "light samples",
             unit: "",
             about: "Points on lights aimed at from the surface seen first.",
@@ -55,7 +55,7 @@ pub(super) static METHOD: Method = Method {
             },
         },
         Parameter {
-            name: "glossy_samples",
+            name: "glossy-samples",
             title: "glossy samples",
             unit: "",
             about: "Reflected or transmitted rays from the surface seen first; deeper ones send one.",
@@ -69,9 +69,9 @@ pub(super) static METHOD: Method = Method {
     build: |values: &ParameterValues| {
         let count = |name| values.integer(name).max(1) as u32;
         Box::new(Distributed {
-            n_lens: count("lens_samples"),
-            n_light: count("light_samples"),
-            n_glossy: count("glossy_samples"),
+            n_lens: count("lens-samples"),
+            n_light: count("light-samples"),
+            n_glossy: count("glossy-samples"),
         })
     },
 };

@@ -15,7 +15,9 @@ mod radius;
 mod shade;
 pub mod vcm;
 
-pub use parameter::{Parameter, ParameterError, ParameterKind, ParameterValues, Value};
+pub use parameter::{
+    Parameter, ParameterError, ParameterKind, ParameterValues, Value, parameter_name,
+};
 pub use radius::Radius;
 
 use crate::render::{Cancelled, Pass};

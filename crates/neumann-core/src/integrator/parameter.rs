@@ -6,7 +6,7 @@ use std::fmt;
 /// A parameter of a method.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
-    /// Name on the command line: `--set name=value`.
+    /// Name on the command line: `--set name=value`; words are joined by hyphens.
     pub name: &'static str,
     /// Name in a menu.
     pub title: &'static str,
@@ -66,6 +66,12 @@ pub enum Value {
     Switch(bool),
     /// Of [`ParameterKind::Choice`]: an index into its options.
     Choice(usize),
+}
+
+/// A parameter's name as it is spelled today: words were once joined by underscores.
+#[must_use]
+pub fn parameter_name(name: &str) -> String {
+    name.replace('_', "-")
 }
 
 impl Parameter {
@@ -162,7 +168,8 @@ impl ParameterValues {
         }
     }
 
-    /// Sets one of the values; the name must be one of the method's.
+    /// Sets one of the values; the name must be one of the method's, in any spelling that
+    /// [`parameter_name`] takes.
     ///
     /// # Errors
     /// If the method has no parameter of that name, or the text is no value of it.
@@ -172,12 +179,13 @@ impl ParameterValues {
         name: &str,
         text: &str,
     ) -> Result<(), ParameterError> {
+        let name = parameter_name(name);
         let parameter =
             parameters
                 .iter()
                 .find(|p| p.name == name)
                 .ok_or_else(|| ParameterError::Name {
-                    name: name.to_owned(),
+                    name: name.clone(),
                     known: if parameters.is_empty() {
                         "it has none".to_owned()
                     } else {

@@ -26,7 +26,7 @@ pub(super) static METHOD: Method = Method {
     bias: Some("lights shine through everything"),
     has_techniques: false,
     parameters: &[Parameter {
-        name: "light_samples",
+        name: "light-samples",
         title: "light samples",
         unit: "",
         about: "Points on lights aimed at from each surface point.",
@@ -38,7 +38,7 @@ pub(super) static METHOD: Method = Method {
     }],
     build: |values: &ParameterValues| {
         Box::new(Shade {
-            n_light_samples: values.integer("light_samples").max(1) as u32,
+            n_light_samples: values.integer("light-samples").max(1) as u32,
         })
     },
 };

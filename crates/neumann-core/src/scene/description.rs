@@ -6,6 +6,8 @@
 //! may still be odd (zero-area triangles, non-finite positions, singular
 //! transforms); building leaves such things out and says so.
 
+use std::path::PathBuf;
+
 use glam::{Mat3, Mat4, Vec2, Vec3, Vec4};
 
 use crate::decode::{Radiances, Texels};
@@ -45,6 +47,8 @@ pub struct LoadReport {
     pub extensions_used: Vec<String>,
     /// Extensions the file uses and this program ignores.
     pub extensions_ignored: Vec<String>,
+    /// Files that were read beside the scene's own, each once; none for a scene in memory.
+    pub files: Vec<PathBuf>,
     /// Number of point primitives left out.
     pub n_points_skipped: usize,
     /// Number of line primitives (segments) left out.

@@ -5,6 +5,7 @@
 
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::meta::header::LayerAttributes;
+use neumann_core::integrator::parameter_name;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::RenderSettings;
 use neumann_core::scene::description::{CameraDescription, EnvironmentDescription, Projection};
@@ -41,23 +42,6 @@ pub struct Metadata {
     pub appearance: String,
     /// Contributions refused because they were not finite or negative.
     pub n_refused: u64,
-}
-
-/// A way in which two pictures were made differently.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Difference {
-    /// What differs, in words.
-    pub field: &'static str,
-    /// In the first one.
-    pub first: String,
-    /// In the second one.
-    pub second: String,
-}
-
-impl std::fmt::Display for Difference {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} ({} and {})", self.field, self.first, self.second)
-    }
 }
 
 impl Metadata {
@@ -97,52 +81,6 @@ impl Metadata {
             .map(|(name, value)| format!("{name}={value}"))
             .collect();
         texts.join(" ")
-    }
-
-    /// Every way in which the expected picture differs: empty if iterations of the one
-    /// may be averaged with iterations of the other.
-    #[must_use]
-    pub fn differences(&self, other: &Self) -> Vec<Difference> {
-        let hash = |m: &Self| format!("{} {:016x}", m.scene, m.content_hash);
-        let fields = [
-            ("scene", hash(self), hash(other)),
-            (
-                "integrator",
-                self.integrator.clone(),
-                other.integrator.clone(),
-            ),
-            (
-                "parameters",
-                self.parameters_text(),
-                other.parameters_text(),
-            ),
-            ("seed", self.seed.to_string(), other.seed.to_string()),
-            (
-                "max-bounces",
-                self.max_bounces.to_string(),
-                other.max_bounces.to_string(),
-            ),
-            ("camera", self.camera.clone(), other.camera.clone()),
-            (
-                "environment",
-                self.environment.clone(),
-                other.environment.clone(),
-            ),
-            (
-                "materials and lights",
-                self.appearance.clone(),
-                other.appearance.clone(),
-            ),
-        ];
-        fields
-            .into_iter()
-            .filter(|(_, a, b)| a != b)
-            .map(|(field, first, second)| Difference {
-                field,
-                first,
-                second,
-            })
-            .collect()
     }
 
     /// One line for people.
@@ -205,7 +143,7 @@ impl Metadata {
             .split_whitespace()
             .map(|pair| {
                 let (name, value) = pair.split_once('=').ok_or("parameters")?;
-                Ok((name.to_owned(), value.to_owned()))
+                Ok((parameter_name(name), value.to_owned()))
             })
             .collect::<Result<_, &'static str>>()?;
         Ok(Self {

@@ -14,13 +14,15 @@
 //! checkpoint of its render. Files of other programs are read for their `R G B`
 //! (or `Y`) and their layers.
 
+mod difference;
 mod metadata;
 mod planes;
 mod ranges;
 mod read;
 mod write;
 
-pub use metadata::{Difference, Metadata, appearance_text, camera_text, environment_text};
+pub use difference::Difference;
+pub use metadata::{Metadata, appearance_text, camera_text, environment_text};
 pub use ranges::IterationRanges;
 pub use read::{Checkpoint, read_exr, read_layer, read_layers};
 pub use write::{Precision, write_exr, write_exr_as, write_image_exr, write_techniques_exr};

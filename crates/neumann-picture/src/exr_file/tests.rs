@@ -182,8 +182,11 @@ fn differences_name_what_differs_and_nothing_else() {
     b.seed = 5;
     b.content_hash = 1;
     b.parameters[0].1 = "8".to_owned();
-    let fields: Vec<_> = a.differences(&b).iter().map(|d| d.field).collect();
-    assert_eq!(fields, ["scene", "parameters", "seed"]);
+    let differences = a.differences(&b);
+    let fields: Vec<_> = differences.iter().map(|d| d.field.as_str()).collect();
+    let scene = "scene (its files have changed)";
+    let parameter = format!("parameter {}", a.parameters[0].0);
+    assert_eq!(fields, [scene, parameter.as_str(), "seed"]);
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Values of single options.
 
+use std::ops::RangeInclusive;
+
 use glam::Vec3;
 
 /// Pixels along an edge.
@@ -21,6 +23,27 @@ pub(crate) fn size(text: &str) -> Result<(usize, usize), String> {
     parse()
         .filter(is_possible)
         .ok_or_else(|| format!("use WIDTHxHEIGHT such as 1280x720, each from 1 to {MAX_EDGE}"))
+}
+
+/// A whole number of a range.
+pub(crate) fn whole(
+    range: RangeInclusive<u32>,
+) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
+    move |text: &str| {
+        text.parse()
+            .ok()
+            .filter(|n| range.contains(n))
+            .ok_or_else(|| {
+                let (least, most) = (range.start(), range.end());
+                format!("use a whole number from {least} to {most}")
+            })
+    }
+}
+
+/// A whole number of 64 bits.
+pub(super) fn long_whole(text: &str) -> Result<u64, String> {
+    text.parse()
+        .map_err(|_| format!("use a whole number from 0 to {}", u64::MAX))
 }
 
 /// `X,Y,Z`.
@@ -83,6 +106,13 @@ pub(super) fn not_negative(text: &str) -> Result<f32, String> {
 /// Any finite number.
 pub(super) fn finite(text: &str) -> Result<f32, String> {
     number(text, "use a number", |_| true)
+}
+
+/// Stops of exposure: beyond these, single precision has no brightness left.
+pub(super) fn stops(text: &str) -> Result<f32, String> {
+    number(text, "use stops from -100 to 100", |v| {
+        (-100.0..=100.0).contains(&v)
+    })
 }
 
 /// Degrees between 0 and 180.

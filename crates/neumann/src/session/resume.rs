@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use neumann_picture::exr_file::{Checkpoint, Metadata, read_exr};
+use neumann_picture::exr_file::{Checkpoint, Difference, Metadata, read_exr};
 
 use super::Session;
 use crate::console;
@@ -16,14 +16,10 @@ impl Session {
         }
         let checkpoint = read_exr(path).or_bad_input()?;
         let ours = Metadata::of(&self.scene, &self.settings);
-        let mut differences: Vec<String> = ours
-            .differences(&checkpoint.metadata)
-            .iter()
-            .map(ToString::to_string)
-            .collect();
-        let mut add = |field: &str, here: String, there: String| {
-            if here != there {
-                differences.push(format!("{field} ({here} and {there})"));
+        let mut differences = ours.differences(&checkpoint.metadata);
+        let mut add = |field: &str, ours: String, theirs: String| {
+            if ours != theirs {
+                differences.push(Difference::new(field, ours, theirs));
             }
         };
         let (s, film) = (&self.settings, &checkpoint.film);
@@ -46,10 +42,15 @@ impl Session {
             );
         }
         if !differences.is_empty() {
+            let told: Vec<_> = differences
+                .iter()
+                .map(|d| d.told("asked for", "in the file"))
+                .collect();
             return Err(bad_input(format!(
-                "{}: cannot be resumed, it differs in {}; use the same options, or render to another file",
+                "{}: cannot be resumed, it differs in {}; use the same options, or render to \
+                 another file",
                 path.display(),
-                differences.join(", ")
+                told.join(", ")
             )));
         }
         if checkpoint.metadata.program_version != ours.program_version {

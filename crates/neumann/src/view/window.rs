@@ -1,13 +1,16 @@
 //! From the command line to the window.
 
+use std::path::PathBuf;
+
 use anyhow::anyhow;
 use neumann_core::render::StopRule;
 use neumann_viewer::{CameraOptions, EnvironmentOptions, Screenshot, ViewError, ViewOptions};
 
-use super::{NoWindow, check_scene};
+use super::NoWindow;
 use crate::cli::ViewArguments;
 use crate::failure::{Outcome, bad_input};
 use crate::outputs;
+use crate::suggest::check_scene;
 
 /// Opens the window with a scene.
 pub(crate) fn open(scene: &str) -> Result<(), NoWindow> {
@@ -38,7 +41,10 @@ pub(crate) fn run(arguments: &ViewArguments) -> Outcome {
         if outputs::kind(path)? != outputs::Kind::Png {
             return Err(bad_input("--screenshot: use a name that ends in .png"));
         }
-        outputs::check(std::slice::from_ref(path))?;
+        let path = std::slice::from_ref(path);
+        outputs::check(path)?;
+        outputs::refuse_inputs(path, [&PathBuf::from(&arguments.scene)])?;
+        outputs::refuse_inputs(path, &arguments.settings.environment.env)?;
     }
     neumann_viewer::run(options(arguments)?).map_err(|error| match no_window(error) {
         NoWindow::Impossible(what) => {
@@ -102,5 +108,6 @@ fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
         threads: settings.threads.map(|n| n as usize),
         screenshot,
         allow_outside: settings.load.allow_outside,
+        allow_hidden: settings.load.allow_hidden,
     })
 }

@@ -108,6 +108,7 @@ pub(super) fn scene(
         report: LoadReport {
             extensions_used: extensions.used,
             extensions_ignored: extensions.ignored,
+            files: source.files(),
             n_points_skipped: notes.n_points_skipped,
             n_lines_skipped: notes.n_lines_skipped,
             warnings: notes.into_warnings(),

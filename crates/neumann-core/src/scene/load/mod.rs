@@ -69,6 +69,9 @@ pub struct LoadOptions {
     /// Absolute paths, other schemes than `data:` and anything but regular
     /// files stay refused.
     pub allow_outside: bool,
+    /// Lets relative URIs, and symbolic links, lead to files and through folders whose names
+    /// begin with a point; the folder that the scene is in may have any name.
+    pub allow_hidden: bool,
     /// Is told how far the file has been read.
     pub progress: OpeningProgress,
 }
@@ -91,7 +94,7 @@ pub fn load_file(path: &Path, options: &LoadOptions) -> Result<SceneDescription,
     let mut memory = Share::default();
     let remedy = "give the path of a .gltf or .glb file";
     let bytes = read_named_file(path, &name, remedy, &mut memory)?;
-    Source::beside(path, &bytes, options.allow_outside)
+    Source::beside(path, &bytes, options)
         .and_then(|source| assemble::scene(&name, &bytes, source, &options.progress))
         .map_err(|fault| fault.in_file(&name))
 }

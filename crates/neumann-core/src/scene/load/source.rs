@@ -1,7 +1,8 @@
 //! Where the bytes come from: files beside the scene, data URIs, memory.
 //!
-//! A scene may only read regular files within its own folder (also after
-//! symbolic links are followed); `allow_outside` lifts the folder, nothing else.
+//! A scene may only read regular files within its own folder, and none that are hidden there or
+//! in hidden folders (also after symbolic links are followed): keys and histories of a person
+//! are such files. `allow_outside` lifts the folder, `allow_hidden` the names, nothing else.
 //! Every resource is read once and enters the content hash in order of reference.
 
 use std::collections::BTreeMap;
@@ -10,6 +11,7 @@ use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
+use super::LoadOptions;
 use super::error::{Fault, quoted};
 use super::uri::Uri;
 use crate::decode::DecodeError;
@@ -30,17 +32,22 @@ pub(super) type Resolve<'a> = &'a dyn Fn(&str) -> Option<Vec<u8>>;
 /// Where relative URIs lead.
 enum Place<'a> {
     /// A folder, canonical.
-    Folder {
-        folder: PathBuf,
-        allow_outside: bool,
-    },
+    Folder(PathBuf),
     /// Memory.
     Memory(Resolve<'a>),
+}
+
+/// Which paths are refused.
+#[derive(Clone, Copy, Debug, Default)]
+struct Limits {
+    allow_outside: bool,
+    allow_hidden: bool,
 }
 
 /// Fetches what the scene refers to.
 pub(super) struct Source<'a> {
     place: Place<'a>,
+    limits: Limits,
     fetched: BTreeMap<PathBuf, Bytes>,
     n_bytes: u64,
     hash: u64,
@@ -50,20 +57,19 @@ pub(super) struct Source<'a> {
 
 impl<'a> Source<'a> {
     /// A scene file on disk, whose bytes have been read already.
-    pub(super) fn beside(path: &Path, bytes: &[u8], allow_outside: bool) -> Result<Self, Fault> {
+    pub(super) fn beside(path: &Path, bytes: &[u8], options: &LoadOptions) -> Result<Self, Fault> {
         let folder = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
         let folder = fs::canonicalize(folder)
             .map_err(|error| unreadable("", &format!("its folder cannot be found ({error})")))?;
-        Ok(Self::new(
-            Place::Folder {
-                folder,
-                allow_outside,
-            },
-            bytes,
-        ))
+        let mut source = Self::new(Place::Folder(folder), bytes);
+        source.limits = Limits {
+            allow_outside: options.allow_outside,
+            allow_hidden: options.allow_hidden,
+        };
+        Ok(source)
     }
 
     /// A scene in memory.
@@ -74,6 +80,7 @@ impl<'a> Source<'a> {
     fn new(place: Place<'a>, bytes: &[u8]) -> Self {
         Self {
             place,
+            limits: Limits::default(),
             fetched: BTreeMap::new(),
             n_bytes: bytes.len() as u64,
             hash: fnv1a(FNV_OFFSET, bytes),
@@ -84,6 +91,14 @@ impl<'a> Source<'a> {
     /// FNV-1a over everything read so far.
     pub(super) fn content_hash(&self) -> u64 {
         self.hash
+    }
+
+    /// The files read so far.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        match self.place {
+            Place::Folder(_) => self.fetched.keys().cloned().collect(),
+            Place::Memory(_) => Vec::new(),
+        }
     }
 
     /// The bytes that a URI stands for; `field` is where the URI is written.
@@ -109,15 +124,9 @@ impl<'a> Source<'a> {
     }
 
     fn fetch_relative(&mut self, path: &str, field: &str) -> Result<Bytes, Fault> {
-        let (key, allow_outside) = match &self.place {
-            Place::Memory(_) => (PathBuf::from(path), false),
-            Place::Folder {
-                folder,
-                allow_outside,
-            } => (
-                resolve_in_folder(folder, path, *allow_outside, field)?,
-                *allow_outside,
-            ),
+        let key = match &self.place {
+            Place::Memory(_) => PathBuf::from(path),
+            Place::Folder(folder) => resolve_in_folder(folder, path, self.limits, field)?,
         };
         if let Some(bytes) = self.fetched.get(&key) {
             return Ok(Arc::clone(bytes));
@@ -125,11 +134,11 @@ impl<'a> Source<'a> {
         let left = LARGEST_SCENE.saturating_sub(self.n_bytes);
         let bytes = match &self.place {
             Place::Memory(resolve) => {
-                check_inside(path, allow_outside, field)?;
+                check_path(path, self.limits, field)?;
                 resolve(path)
                     .ok_or_else(|| unreadable(field, &format!("{} does not exist", quoted(path))))?
             }
-            Place::Folder { .. } => {
+            Place::Folder(_) => {
                 read_regular_file(&key, left, &mut self.memory).map_err(|error| match error {
                     DecodeError::Content(problem) => {
                         unreadable(field, &format!("{} {problem}", quoted(path)))
@@ -187,10 +196,10 @@ pub(super) fn read_regular_file(
 fn resolve_in_folder(
     folder: &Path,
     path: &str,
-    allow_outside: bool,
+    limits: Limits,
     field: &str,
 ) -> Result<PathBuf, Fault> {
-    check_inside(path, allow_outside, field)?;
+    check_path(path, limits, field)?;
     let mut found = fs::canonicalize(folder.join(path));
     if found.is_err() && path.contains('\\') {
         found = fs::canonicalize(folder.join(path.replace('\\', "/")));
@@ -201,15 +210,31 @@ fn resolve_in_folder(
             &format!("{} cannot be found ({error})", quoted(path)),
         )
     })?;
-    if allow_outside || found.starts_with(folder) {
-        Ok(found)
-    } else {
-        Err(outside(path, field))
+    if !limits.allow_outside && !found.starts_with(folder) {
+        return Err(outside(path, field));
+    }
+    // What a link leads to may be hidden as well; the folders that the scene itself is in may.
+    let n_common = found
+        .components()
+        .zip(folder.components())
+        .take_while(|(found, folder)| found == folder)
+        .count();
+    if !limits.allow_hidden && found.components().skip(n_common).any(is_hidden) {
+        return Err(hidden(path, field));
+    }
+    Ok(found)
+}
+
+/// True for a name that begins with a point.
+fn is_hidden(component: Component<'_>) -> bool {
+    match component {
+        Component::Normal(name) => name.as_encoded_bytes().starts_with(b"."),
+        _ => false,
     }
 }
 
-/// Refuses absolute paths, and paths whose `..` lead out of the folder.
-fn check_inside(path: &str, allow_outside: bool, field: &str) -> Result<(), Fault> {
+/// Refuses absolute paths, paths whose `..` lead out of the folder, and hidden names.
+fn check_path(path: &str, limits: Limits, field: &str) -> Result<(), Fault> {
     if path.is_empty() || path.contains('\0') {
         return Err(Fault::broken(
             field,
@@ -232,8 +257,11 @@ fn check_inside(path: &str, allow_outside: bool, field: &str) -> Result<(), Faul
                 ));
             }
         }
-        if depth < 0 && !allow_outside {
+        if depth < 0 && !limits.allow_outside {
             return Err(outside(path, field));
+        }
+        if is_hidden(component) && !limits.allow_hidden {
+            return Err(hidden(path, field));
         }
     }
     Ok(())
@@ -244,6 +272,14 @@ fn outside(path: &str, field: &str) -> Fault {
         field,
         format!("{} lies outside of the scene's folder", quoted(path)),
         "copy the file into the folder, or allow such paths with --allow-outside",
+    )
+}
+
+fn hidden(path: &str, field: &str) -> Fault {
+    Fault::new(
+        field,
+        format!("{} is hidden, or lies in a hidden folder", quoted(path)),
+        "give it a name that does not begin with a point, or allow such names with --allow-hidden",
     )
 }
 
@@ -268,7 +304,7 @@ fn fnv1a(hash: u64, bytes: &[u8]) -> u64 {
 mod tests {
     use std::fs;
 
-    use super::{FNV_OFFSET, Source, fnv1a};
+    use super::{FNV_OFFSET, LoadOptions, Source, fnv1a};
 
     #[test]
     fn fnv_is_the_published_one() {
@@ -294,8 +330,12 @@ mod tests {
         fs::write(root.join("secret"), b"secret").unwrap();
         fs::write(folder.join("own file"), b"own").unwrap();
         let scene = folder.join("a.gltf");
-        let mut inside = Source::beside(&scene, b"", false).unwrap();
-        let mut free = Source::beside(&scene, b"", true).unwrap();
+        let mut inside = Source::beside(&scene, b"", &LoadOptions::default()).unwrap();
+        let options = LoadOptions {
+            allow_outside: true,
+            ..LoadOptions::default()
+        };
+        let mut free = Source::beside(&scene, b"", &options).unwrap();
 
         assert_eq!(*inside.fetch("own%20file", "f").unwrap(), b"own");
         assert_eq!(*inside.fetch("./sub/../own file", "f").unwrap(), b"own");
@@ -333,6 +373,66 @@ mod tests {
             assert_eq!(*free.fetch("link", "f").unwrap(), b"secret");
             assert!(free.fetch("zero", "f").is_err());
         }
+        fs::remove_dir_all(root).unwrap();
+    }
+
+    #[test]
+    fn hidden_files_are_read_only_if_that_is_allowed() {
+        let root = std::env::temp_dir().join(format!("neumann-hidden-{}", std::process::id()));
+        // The folders of the scene itself may be hidden.
+        let folder = root.join(".cache/scene");
+        fs::create_dir_all(folder.join(".ssh")).unwrap();
+        fs::create_dir_all(folder.join("sub/.git")).unwrap();
+        let files = [
+            ".ssh/key",
+            "sub/.git/config",
+            ".env",
+            "..dots",
+            "open.bin",
+            "a.b",
+        ];
+        for name in files {
+            fs::write(folder.join(name), name).unwrap();
+        }
+        fs::write(root.join(".cache/beside"), "beside").unwrap();
+        fs::write(root.join(".secret"), "secret").unwrap();
+        let scene = folder.join("a.gltf");
+        let source = |allow_outside, allow_hidden| {
+            let options = LoadOptions {
+                allow_outside,
+                allow_hidden,
+                ..LoadOptions::default()
+            };
+            Source::beside(&scene, b"", &options).unwrap()
+        };
+        let (mut inside, mut free) = (source(false, false), source(false, true));
+        for uri in [
+            ".ssh/key",
+            "%2essh/key",
+            ".ssh\\key",
+            "./.ssh/key",
+            "sub/.git/config",
+            "sub/../.env",
+            "..dots",
+        ] {
+            let fault = inside.fetch(uri, "f").unwrap_err();
+            assert!(fault.problem.contains("hidden"), "{uri}: {fault:?}");
+            assert!(free.fetch(uri, "f").is_ok(), "{uri}");
+        }
+        for uri in ["open.bin", "./open.bin", "sub/../a.b"] {
+            assert!(inside.fetch(uri, "f").is_ok(), "{uri}");
+        }
+        let mut outside = source(true, false);
+        assert!(outside.fetch("../beside", "f").is_ok());
+        assert!(outside.fetch("../../.secret", "f").is_err());
+        assert!(source(true, true).fetch("../../.secret", "f").is_ok());
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(".ssh/key", folder.join("link")).unwrap();
+            assert!(inside.fetch("link", "f").is_err());
+            assert!(free.fetch("link", "f").is_ok());
+        }
+        assert_eq!(inside.files().len(), 2, "each once");
         fs::remove_dir_all(root).unwrap();
     }
 }

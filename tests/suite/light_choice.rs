@@ -50,8 +50,8 @@ fn jumble(n: usize, random: &mut Random) -> Vec<Light> {
                     position: center,
                     axis: point(random, 1.0).normalize_or(Vec3::X),
                     intensity: value,
-                    cos_inner: 0.9,
-                    cos_outer: if i % 2 == 0 { 0.8 } else { 0.1 },
+                    inner_height: 0.1,
+                    outer_height: if i % 2 == 0 { 0.2 } else { 0.9 },
                 }),
                 _ => {
                     let corner = |random: &mut Random| center + point(random, size);

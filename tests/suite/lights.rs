@@ -156,7 +156,7 @@ fn started_directions() {
             f64::from(match &light {
                 Light::Area(area) => area.pdf_w_start(world),
                 Light::Point(_) => 0.25 / PI,
-                Light::Spot(s) if w.z > s.cos_outer => 1.0 / (TAU * (1.0 - s.cos_outer)),
+                Light::Spot(s) if w.z > 1.0 - s.outer_height => 1.0 / (TAU * s.outer_height),
                 _ => 0.0,
             })
         };

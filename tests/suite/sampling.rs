@@ -126,12 +126,12 @@ fn warps_of_directions() {
             &SphereCells::new(heights, 12, 0.0),
             |w| {
                 if w.z > cos {
-                    f(warp::uniform_cone_pdf_w(cos))
+                    f(warp::uniform_cone_pdf_w(1.0 - cos))
                 } else {
                     0.0
                 }
             },
-            || Some(warp::uniform_cone(random.pair(), cos)),
+            || Some(warp::uniform_cone(random.pair(), 1.0 - cos)),
         );
     }
     family.judge();

@@ -144,8 +144,8 @@ pub fn all_lights() -> Vec<(&'static str, Light)> {
                 position,
                 axis,
                 intensity: Rgb::splat(3.0),
-                cos_inner: 0.9,
-                cos_outer: 0.5,
+                inner_height: 0.1,
+                outer_height: 0.5,
             }),
         ),
         (

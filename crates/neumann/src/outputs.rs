@@ -11,6 +11,7 @@ use neumann_picture::files::{self, check_destination, is_same_place};
 use neumann_picture::png_file::{Pixels8, write_png};
 use neumann_picture::tone::Display;
 
+use crate::console;
 use crate::failure::{OrBadInput, Outcome, bad_input};
 
 /// Kinds of file, by extension.
@@ -102,13 +103,24 @@ impl Picture<'_> {
     /// Writes one file: all layers as EXR, or L as shown as PNG.
     pub(crate) fn write(&self, path: &Path) -> Outcome {
         match kind(path)? {
-            Kind::Exr => write_exr_as(
-                path,
-                self.film,
-                self.features,
-                self.metadata,
-                self.precision,
-            )?,
+            Kind::Exr => {
+                let clamped = write_exr_as(
+                    path,
+                    self.film,
+                    self.features,
+                    self.metadata,
+                    self.precision,
+                )?;
+                if clamped.n_values > 0 {
+                    console::note(&format!(
+                        "warning: {}: half floats end at 65504: {} values beyond were clamped, \
+                         the largest {:e}; leave out --half to keep them",
+                        path.display(),
+                        clamped.n_values,
+                        clamped.largest
+                    ));
+                }
+            }
             Kind::Png => {
                 let image = Image {
                     width: self.film.width(),

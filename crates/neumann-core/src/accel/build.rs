@@ -1,15 +1,11 @@
-//! Builds trees: obvhs makes the binary one, which is collapsed.
+//! Builds trees: a binary one, which is collapsed.
 
 use glam::Vec3;
-use obvhs::Boundable;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::node::Bvh2Node;
-use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
-use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 
+use super::binary::{Aabb, BinaryTree};
+use super::clusters::{Reach, clustered};
+use super::reinsertion::reinsert;
 use super::wide::WideTree;
 
 /// How much work goes into a tree. What a ray meets is the same.
@@ -21,90 +17,156 @@ pub enum TreeQuality {
     Full,
 }
 
+/// Rounds of merging neighbours before the search for them widens.
+const WIDENED_AFTER: usize = 3;
+
 /// A binary tree with one item in each leaf. Reinsertion of half the nodes makes nearly the best tree at half its time; big
 /// scenes get less of it.
-pub(super) fn binary_tree<T: Boundable>(items: &[T], quality: TreeQuality) -> Bvh2 {
-    let n = items.len();
-    let (search, threshold, reinserted) = match quality {
-        TreeQuality::Quick => (PlocSearchDistance::Minimum, 0, 0.0),
-        TreeQuality::Full if n > 500_000 => (PlocSearchDistance::Medium, WIDENED_AFTER, 0.15),
-        TreeQuality::Full => (PlocSearchDistance::Medium, WIDENED_AFTER, 0.5),
+pub(super) fn binary_tree(items: &[Aabb], quality: TreeQuality) -> BinaryTree {
+    let (reach, reinserted) = match quality {
+        TreeQuality::Quick => (Reach::Neighbours, 0.0),
+        TreeQuality::Full if items.len() > 500_000 => (
+            Reach::Wide {
+                after: WIDENED_AFTER,
+            },
+            0.15,
+        ),
+        TreeQuality::Full => (
+            Reach::Wide {
+                after: WIDENED_AFTER,
+            },
+            0.5,
+        ),
     };
-    let mut tree = PlocBuilder::with_capacity(n).build(
-        search,
-        items,
-        (0..n as u32).collect(),
-        SortPrecision::U64,
-        threshold,
-    );
+    if items.is_empty() {
+        return BinaryTree::default();
+    }
+    let mut tree = clustered(items, reach);
     if reinserted > 0.0 {
-        ReinsertionOptimizer::default().run(&mut tree, reinserted, None);
+        reinsert(&mut tree, reinserted);
     }
     tree
 }
 
-/// Rounds of merging neighbours before the search for them widens: obvhs's own for trees of medium quality.
-const WIDENED_AFTER: usize = 3;
-
 /// A wide tree over triangles with finite corners.
 pub(super) fn tree_of_triangles(triangles: &[[Vec3; 3]], quality: TreeQuality) -> WideTree {
-    if triangles.is_empty() {
-        return WideTree::default();
-    }
     // What the builder works with is gone before the wide tree is made, which takes most memory.
-    let binary = binary_tree(&for_builder(triangles), quality);
+    let binary = binary_tree(&boxes_of(triangles), quality);
     let tree = WideTree::of_triangles(&binary, triangles);
     if tree.fits_stack() {
         return tree;
     }
-    WideTree::of_triangles(&halves(&for_builder(triangles)), triangles)
+    WideTree::of_triangles(&BinaryTree::of_halves(&boxes_of(triangles)), triangles)
 }
 
-/// Triangles as obvhs has them.
-pub(super) fn for_builder(triangles: &[[Vec3; 3]]) -> Vec<Triangle> {
+/// A wide tree over anything that has a box.
+pub(super) fn tree_of_items(boxes: &[Aabb], quality: TreeQuality) -> WideTree {
+    let tree = WideTree::of_items(&binary_tree(boxes, quality));
+    if tree.fits_stack() {
+        return tree;
+    }
+    WideTree::of_items(&BinaryTree::of_halves(boxes))
+}
+
+/// The boxes around triangles.
+pub(super) fn boxes_of(triangles: &[[Vec3; 3]]) -> Vec<Aabb> {
     triangles
         .par_iter()
-        .map(|t| Triangle {
-            v0: t[0].into(),
-            v1: t[1].into(),
-            v2: t[2].into(),
-        })
+        .map(|corners| Aabb::of(corners))
         .collect()
 }
 
-/// A binary tree that is no deeper than it must be: items in the order of their middles along the longest axis, halved again
-/// and again. A way out should another tree be too deep to be walked; no triangles are known that make it so.
-pub(super) fn halves<T: Boundable>(items: &[T]) -> Bvh2 {
-    let boxes: Vec<Aabb> = items.iter().map(Boundable::aabb).collect();
-    let mut order: Vec<u32> = (0..items.len() as u32).collect();
-    let mut nodes = vec![Bvh2Node::default()];
-    let mut stack = vec![(0, 0..items.len())];
-    while let Some((index, range)) = stack.pop() {
-        let mut bounds = Aabb::empty();
-        for item in &order[range.clone()] {
-            bounds.extend(boxes[*item as usize].min);
-            bounds.extend(boxes[*item as usize].max);
-        }
-        if range.len() == 1 {
-            nodes[index] = Bvh2Node::new(bounds, 1, range.start as u32);
-            continue;
-        }
-        let axis = bounds.largest_axis();
-        let middle = range.len() / 2;
-        order[range.clone()].select_nth_unstable_by(middle, |a, b| {
-            let center = |item: &u32| boxes[*item as usize].center()[axis];
-            center(a).total_cmp(&center(b)).then(a.cmp(b))
-        });
-        let children = nodes.len();
-        nodes[index] = Bvh2Node::new(bounds, 0, children as u32);
-        nodes.extend([Bvh2Node::default(); 2]);
-        let cut = range.start + middle;
-        stack.push((children, range.start..cut));
-        stack.push((children + 1, cut..range.end));
+#[cfg(test)]
+pub(super) mod tests {
+    use glam::Vec3A;
+
+    use super::super::binary::{Aabb, BinaryTree};
+    use super::{TreeQuality, tree_of_items};
+    use crate::sampling::{Sampler, warp};
+
+    /// What trees are hard to build of, by name: ties, progressions, boxes over one another.
+    pub(in super::super) fn hard_cases(n: usize) -> Vec<(&'static str, Vec<Aabb>)> {
+        let unit_at = |place: Vec3A| Aabb::of(&[place, place + Vec3A::ONE]);
+        let random = |i: usize| {
+            let mut sampler = Sampler::new(21, i as u64, 0);
+            let [x, y] = sampler.next_2d();
+            let place = Vec3A::new(x, y, sampler.next_1d());
+            (place, Vec3A::from(warp::uniform_sphere(sampler.next_2d())))
+        };
+        let grows = |i: usize, by: f32| by.powf(i as f32 * (4096.0 / n as f32).min(1.0));
+        let each = |at: &dyn Fn(usize) -> Aabb| (0..n).map(at).collect::<Vec<_>>();
+        vec![
+            ("at random", each(&|i| unit_at(100.0 * random(i).0))),
+            ("a line", each(&|i| unit_at(1.5 * i as f32 * Vec3A::X))),
+            ("one spot", each(&|_| unit_at(Vec3A::ZERO))),
+            (
+                "two spots",
+                each(&|i| unit_at((i % 2 * 5) as f32 * Vec3A::X)),
+            ),
+            ("points", each(&|i| Aabb::of(&[Vec3A::splat(i as f32)]))),
+            ("flat", each(&|i| Aabb::of(&[Vec3A::Y * (i % 7) as f32]))),
+            (
+                "growing steps",
+                each(&|i| unit_at(grows(i, 1.003) * Vec3A::X)),
+            ),
+            (
+                "growing boxes",
+                each(&|i| {
+                    let size = grows(i, 1.003);
+                    Aabb::of(&[Vec3A::splat(size), Vec3A::splat(2.0 * size)])
+                }),
+            ),
+            (
+                "shells",
+                each(&|i| Aabb::of(&[Vec3A::splat(-(i as f32)), Vec3A::splat(i as f32)])),
+            ),
+            (
+                "shells that double",
+                each(&|i| {
+                    let size = 2f32.powi(i as i32 % 80 - 60);
+                    Aabb::of(&[Vec3A::splat(-size), Vec3A::splat(size)])
+                }),
+            ),
+            (
+                "slivers through one spot",
+                each(&|i| {
+                    let (_, towards) = random(i);
+                    Aabb::of(&[-50.0 * towards, 50.0 * towards])
+                }),
+            ),
+            (
+                "slivers",
+                each(&|i| {
+                    let (place, towards) = random(i);
+                    Aabb::of(&[10.0 * place - 5.0 * towards, 10.0 * place + 5.0 * towards])
+                }),
+            ),
+        ]
     }
-    Bvh2 {
-        nodes,
-        primitive_indices: order,
-        ..Bvh2::default()
+
+    /// The items of a tree in order. Every box lies in that above it, or this panics.
+    pub(in super::super) fn items_below(tree: &BinaryTree) -> Vec<u32> {
+        let mut items = Vec::new();
+        let mut stack = vec![0];
+        while let Some(index) = stack.pop() {
+            let node = &tree.nodes[index];
+            items.extend(node.item());
+            for child in node.children().into_iter().flatten() {
+                let inside = tree.nodes[child].bounds;
+                assert_eq!(inside.union(&node.bounds), node.bounds, "node {child}");
+                stack.push(child);
+            }
+        }
+        items.sort_unstable();
+        items
+    }
+
+    #[test]
+    fn trees_of_hard_cases_fit_the_stack() {
+        for (name, boxes) in hard_cases(20_000) {
+            for quality in [TreeQuality::Quick, TreeQuality::Full] {
+                assert!(tree_of_items(&boxes, quality).fits_stack(), "{name}");
+            }
+        }
     }
 }

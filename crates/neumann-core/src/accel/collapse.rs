@@ -9,9 +9,9 @@
 //! out depends on no thread.
 
 use glam::Vec3;
-use obvhs::bvh2::Bvh2;
 use rayon::prelude::*;
 
+use super::binary::BinaryTree;
 use super::memory::in_large_pages;
 use super::wide::{EMPTY_LEAF, EMPTY_NODE, LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
 
@@ -52,7 +52,7 @@ const CUT: u32 = 1 << 31;
 
 /// Plans of a binary tree: those of its upper part, then those of the subtrees below, each part depth first.
 struct Plans<'a> {
-    binary: &'a Bvh2,
+    binary: &'a BinaryTree,
     leaf_size: usize,
     parts: Vec<Vec<Plan>>,
 }
@@ -101,22 +101,22 @@ enum Items<'a> {
 
 impl WideTree {
     /// Collapses a binary tree with one triangle in each leaf; leaves of the wide tree have four.
-    pub(super) fn of_triangles(binary: &Bvh2, triangles: &[[Vec3; 3]]) -> Self {
+    pub(super) fn of_triangles(binary: &BinaryTree, triangles: &[[Vec3; 3]]) -> Self {
         collapse(binary, Items::Triangles(triangles), cut_levels(binary))
     }
 
     /// Collapses a binary tree with one item in each leaf; those of the wide tree stand for the items themselves.
-    pub(super) fn of_items(binary: &Bvh2) -> Self {
+    pub(super) fn of_items(binary: &BinaryTree) -> Self {
         collapse(binary, Items::Others, cut_levels(binary))
     }
 }
 
 /// After how many levels a tree is cut, if it is worth it.
-fn cut_levels(binary: &Bvh2) -> Option<usize> {
+fn cut_levels(binary: &BinaryTree) -> Option<usize> {
     (binary.nodes.len() >= MIN_NODES_TO_CUT).then_some(CUT_LEVELS)
 }
 
-fn collapse(binary: &Bvh2, items: Items<'_>, cut_levels: Option<usize>) -> WideTree {
+fn collapse(binary: &BinaryTree, items: Items<'_>, cut_levels: Option<usize>) -> WideTree {
     if binary.nodes.is_empty() {
         return WideTree::default();
     }
@@ -189,7 +189,7 @@ impl Part<'_> {
         plans.walk(self.place, |index, children| {
             let mut node = EMPTY_NODE;
             for (lane, child) in children.iter().enumerate() {
-                let bounds = plans.binary.nodes[plans.at(child.place).source as usize].aabb();
+                let bounds = plans.binary.nodes[plans.at(child.place).source as usize].bounds;
                 for axis in 0..3 {
                     node.bounds[2 * axis][lane] = bounds.min[axis];
                     node.bounds[2 * axis + 1][lane] = bounds.max[axis];
@@ -216,7 +216,7 @@ impl Part<'_> {
 }
 
 impl<'a> Plans<'a> {
-    fn new(binary: &'a Bvh2, leaf_size: usize, cut_levels: Option<usize>) -> Self {
+    fn new(binary: &'a BinaryTree, leaf_size: usize, cut_levels: Option<usize>) -> Self {
         let mut plans = Self {
             binary,
             leaf_size,
@@ -261,9 +261,9 @@ impl<'a> Plans<'a> {
             if levels == Some(level) {
                 plan.second = CUT | cuts.len() as u32;
                 cuts.push(source);
-            } else if node.prim_count == 0 {
-                stack.push((node.first_index + 1, Some(index), level + 1));
-                stack.push((node.first_index, None, level + 1));
+            } else if let Some([first, second]) = node.children() {
+                stack.push((second as u32, Some(index), level + 1));
+                stack.push((first as u32, None, level + 1));
             }
             plans.push(plan);
         }
@@ -275,13 +275,13 @@ impl<'a> Plans<'a> {
         for index in (0..plans.len()).rev() {
             let Plan { source, second, .. } = plans[index];
             let node = &self.binary.nodes[source as usize];
-            let area = node.aabb().half_area();
+            let area = node.bounds.half_area();
             let (cost, choice, split, n_items) = if second & CUT != 0 {
                 let root = &below[(second & !CUT) as usize][0];
                 (root.cost, root.choice, root.split, root.n_items)
-            } else if node.prim_count > 0 {
+            } else if node.item().is_some() {
                 let cost = [area * LEAF_COST; WIDTH - 1];
-                (cost, [AS_LEAF; WIDTH - 1], 0, node.prim_count)
+                (cost, [AS_LEAF; WIDTH - 1], 0, 1)
             } else {
                 let children = [&plans[index + 1], &plans[second as usize]];
                 best_plan(children, area, self.leaf_size)
@@ -378,10 +378,8 @@ impl<'a> Plans<'a> {
     /// The items below a node that becomes a leaf.
     fn collect(&self, place: Place, items: &mut Vec<u32>) {
         let node = &self.binary.nodes[self.at(place).source as usize];
-        if node.prim_count > 0 {
-            let first = node.first_index as usize;
-            let end = first + node.prim_count as usize;
-            items.extend(&self.binary.primitive_indices[first..end]);
+        if let Some(item) = node.item() {
+            items.push(item);
         } else {
             for child in self.children(place) {
                 self.collect(child, items);
@@ -426,9 +424,8 @@ fn best_plan([left, right]: [&Plan; 2], area: f32, leaf_size: usize) -> Best {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use obvhs::triangle::Triangle;
 
-    use super::super::build::{TreeQuality, binary_tree};
+    use super::super::build::{TreeQuality, binary_tree, boxes_of};
     use super::{Items, LEAF, WideTree, collapse};
     use crate::sampling::{Sampler, warp};
 
@@ -468,15 +465,7 @@ mod tests {
             })
             .collect();
         for n in [1, 4, 5, 300, 3000] {
-            let for_builder: Vec<Triangle> = triangles[..n]
-                .iter()
-                .map(|[a, b, c]| Triangle {
-                    v0: (*a).into(),
-                    v1: (*b).into(),
-                    v2: (*c).into(),
-                })
-                .collect();
-            let binary = binary_tree(&for_builder, TreeQuality::Full);
+            let binary = binary_tree(&boxes_of(&triangles[..n]), TreeQuality::Full);
             let items = Items::Triangles(&triangles[..n]);
             let whole = collapse(&binary, items, None);
             let (boxes, leaves) = contents(&whole);

@@ -1,9 +1,9 @@
 //! Meshes that stand in the world many times: one tree over the instances, one for each mesh.
 
 use glam::{Affine3A, Vec3};
-use obvhs::aabb::Aabb;
 
-use super::build::{TreeQuality, binary_tree, halves, tree_of_triangles};
+use super::binary::Aabb;
+use super::build::{TreeQuality, tree_of_items, tree_of_triangles};
 use super::wide::WideTree;
 use crate::math::Ray;
 
@@ -64,15 +64,11 @@ impl Instances {
                     (low, high) = (low.min(p), high.max(p));
                 }
                 let padding = BOX_PADDING * low.abs().max(high.abs()).max_element();
-                Aabb::new((low - padding).into(), (high + padding).into())
+                Aabb::of(&[low - padding, high + padding])
             })
             .collect();
-        let mut tree = WideTree::of_items(&binary_tree(&boxes, quality));
-        if !tree.fits_stack() {
-            tree = WideTree::of_items(&halves(&boxes));
-        }
         Self {
-            tree,
+            tree: tree_of_items(&boxes, quality),
             instances: placements
                 .iter()
                 .map(|p| Instance {

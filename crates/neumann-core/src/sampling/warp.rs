@@ -83,21 +83,22 @@ pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
 /// Density of [`uniform_sphere`], 1/sr.
 pub const UNIFORM_SPHERE_PDF_W: f32 = 0.25 * FRAC_1_PI;
 
-/// Uniform in the cone about +z whose half-angle has the given cosine (GI Compendium 38).
+/// Uniform in the cone about +z of which 1 less the cosine of the half-angle is `height` (GI
+/// Compendium 38).
 #[inline]
 #[must_use]
-pub fn uniform_cone(u: [f32; 2], cos_half_angle: f32) -> Vec3 {
-    let z = 1.0 - u[0] * (1.0 - cos_half_angle);
-    let r = (1.0 - z * z).max(0.0).sqrt();
+pub fn uniform_cone(u: [f32; 2], height: f32) -> Vec3 {
+    let depth = u[0] * height;
+    let r = (depth * (2.0 - depth)).max(0.0).sqrt();
     let (sin, cos) = (2.0 * PI * u[1]).sin_cos();
-    Vec3::new(r * cos, r * sin, z)
+    Vec3::new(r * cos, r * sin, 1.0 - depth)
 }
 
 /// Density of [`uniform_cone`], 1/sr, within the cone.
 #[inline]
 #[must_use]
-pub fn uniform_cone_pdf_w(cos_half_angle: f32) -> f32 {
-    1.0 / (2.0 * PI * (1.0 - cos_half_angle))
+pub fn uniform_cone_pdf_w(height: f32) -> f32 {
+    1.0 / (2.0 * PI * height)
 }
 
 /// Barycentric coordinates of v1 and v2, uniform on a triangle; density 1/area.

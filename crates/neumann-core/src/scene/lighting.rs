@@ -127,12 +127,18 @@ fn punctual(light: &LightDescription, level: f32) -> Option<Light> {
             position,
             axis,
             intensity: scaled(intensity)?,
-            cos_inner: inner_cone.cos(),
-            cos_outer: outer_cone.cos(),
+            inner_height: height_of_cone(inner_cone),
+            outer_height: Some(height_of_cone(outer_cone)).filter(|h| *h > 0.0)?,
         }),
         LightKind::Directional { irradiance } => Light::Directional(DirectionalLight {
             direction: axis,
             irradiance: scaled(irradiance)?,
         }),
     })
+}
+
+/// 1 less the cosine of a cone's half-angle, with all digits where the cone is narrow.
+fn height_of_cone(half_angle: f32) -> f32 {
+    let sin = (0.5 * half_angle).sin();
+    2.0 * sin * sin
 }

@@ -6,12 +6,13 @@ use glam::Vec3;
 use neumann_core::radiometry::Rgb;
 
 use super::metadata::text_of;
-use super::write::Precision;
+use super::write::{Clamped, Precision};
 
 /// Channels under construction.
 pub(super) struct Planes {
     precision: Precision,
     pub(super) list: Vec<AnyChannel<FlatSamples>>,
+    pub(super) clamped: Clamped,
 }
 
 impl Planes {
@@ -19,6 +20,7 @@ impl Planes {
         Self {
             precision,
             list: Vec::new(),
+            clamped: Clamped::default(),
         }
     }
 
@@ -51,14 +53,25 @@ impl Planes {
         };
         let samples = match self.precision {
             Precision::Full => FlatSamples::F32(values.iter().map(value).collect()),
-            Precision::Half => FlatSamples::F16(
-                values
-                    .iter()
-                    .map(|v| f16::from_f32(value(v).clamp(-65504.0, 65504.0)))
-                    .collect(),
-            ),
+            Precision::Half => {
+                let half = |v: &T| self.clamped.half(value(v));
+                FlatSamples::F16(values.iter().map(half).collect())
+            }
         };
         self.list.push(AnyChannel::new(text_of(&name), samples));
+    }
+}
+
+impl Clamped {
+    /// The nearest half float. Infinity, the depth of what is not there, stays what it is.
+    fn half(&mut self, value: f32) -> f16 {
+        let largest = f16::MAX.to_f32();
+        if value.is_finite() && value.abs() > largest {
+            self.n_values += 1;
+            self.largest = self.largest.max(value.abs());
+            return f16::from_f32(largest.copysign(value));
+        }
+        f16::from_f32(value)
     }
 }
 

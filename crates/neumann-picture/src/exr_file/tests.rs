@@ -122,6 +122,23 @@ fn half_floats_are_smaller_and_no_checkpoint() {
 }
 
 #[test]
+fn half_floats_say_what_they_clamp() {
+    let folder = TestFolder::new();
+    let n = SIZE.0 * SIZE.1;
+    let (mut layers, mut total) = (vec![noise(n, 0); 2], noise(n, 100));
+    layers[0][7] = Rgb::new(65504.0, 1e5, 3e9);
+    total[7] = Rgb::new(65504.0, 2e5, 4e9);
+    let film = Film::from_parts(SIZE, 16, layers, total, &noise(n, 101), 3).unwrap();
+    let path = folder.join("half.exr");
+    let write =
+        |precision| write_exr_as(&path, &film, Some(&features()), &metadata(), precision).unwrap();
+    let clamped = write(Precision::Half);
+    assert_eq!((clamped.n_values, clamped.largest), (4, 4e9));
+    assert_eq!(read_layers(&path).unwrap().pixels[7].b, 65504.0);
+    assert_eq!(write(Precision::Full).n_values, 0);
+}
+
+#[test]
 fn a_plain_picture_is_no_film() {
     let folder = TestFolder::new();
     let path = folder.join("plain.exr");

@@ -26,6 +26,15 @@ pub enum Precision {
     Half,
 }
 
+/// Values that half floats have no room for, written as the largest that they have.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clamped {
+    /// How many there were.
+    pub n_values: usize,
+    /// The largest, without its sign.
+    pub largest: f32,
+}
+
 /// Writes a film with everything that is needed to go on with its render.
 ///
 /// # Errors
@@ -36,10 +45,11 @@ pub fn write_exr(
     features: Option<&Features>,
     metadata: &Metadata,
 ) -> Result<(), PictureError> {
-    write_exr_as(path, film, features, metadata, Precision::Full)
+    write_exr_as(path, film, features, metadata, Precision::Full)?;
+    Ok(())
 }
 
-/// Writes a film with samples of the given precision.
+/// Writes a film with samples of the given precision. Returns which had to be clamped.
 ///
 /// # Errors
 /// If the place cannot be written to.
@@ -49,7 +59,7 @@ pub fn write_exr_as(
     features: Option<&Features>,
     metadata: &Metadata,
     precision: Precision,
-) -> Result<(), PictureError> {
+) -> Result<Clamped, PictureError> {
     let mut planes = Planes::new(precision);
     planes.rgb("", &film.total());
     for k in 0..=film.n_layers() {
@@ -71,7 +81,9 @@ pub fn write_exr_as(
     }
     let mut attributes = LayerAttributes::default();
     metadata.put(&mut attributes);
-    write(path, (film.width(), film.height()), planes, attributes)
+    let clamped = planes.clamped;
+    write(path, (film.width(), film.height()), planes, attributes)?;
+    Ok(clamped)
 }
 
 /// Writes one linear picture with a few texts in its header, as attributes `neumann.…`.

@@ -2,7 +2,8 @@ use glam::{Affine3A, Quat, Vec3};
 use rayon::prelude::*;
 
 use super::super::abreast::RayLanes;
-use super::super::build::{for_builder, halves};
+use super::super::binary::BinaryTree;
+use super::super::build::boxes_of;
 use super::super::wide::{STACK_SIZE, WIDTH, WideTree};
 use super::{Bvh, Hit, Kernel, Placement, TreeQuality};
 use crate::math::Ray;
@@ -201,7 +202,7 @@ fn trees_of_any_quality_are_hit_alike() {
     let [quick, full] = [TreeQuality::Quick, TreeQuality::Full]
         .map(|quality| Bvh::with_instances(&triangles, &[], &[], quality));
     let mut halved = Bvh::new(&triangles);
-    halved.tree = WideTree::of_triangles(&halves(&for_builder(&triangles)), &triangles);
+    halved.tree = WideTree::of_triangles(&BinaryTree::of_halves(&boxes_of(&triangles)), &triangles);
     assert!(quick.tree.nodes.len() != full.tree.nodes.len(), "the same");
     // Six thousand triangles: thirteen halvings.
     assert!(halved.tree.depth <= 13);

@@ -55,7 +55,7 @@ impl LightBounds {
             Light::Spot(l) => Self {
                 axis: l.axis,
                 theta_o: 0.0,
-                theta_e: l.cos_outer.clamp(-1.0, 1.0).acos() + SAME_AXIS,
+                theta_e: 2.0 * (0.5 * l.outer_height).min(1.0).sqrt().asin() + SAME_AXIS,
                 intensity: l.intensity.mean(),
                 vector: l.axis * l.intensity.mean(),
                 ..point(l.position)

@@ -28,10 +28,11 @@ pub struct SpotLight {
     pub axis: Vec3,
     /// Radiant intensity on the axis, W/sr.
     pub intensity: Rgb,
-    /// Cosine of the angle within which intensity is full.
-    pub cos_inner: f32,
-    /// Cosine of the angle beyond which there is no light.
-    pub cos_outer: f32,
+    /// 1 less the cosine of the angle within which intensity is full. (A cosine itself tells the
+    /// angles of narrow cones apart no better than single precision tells numbers near 1.)
+    pub inner_height: f32,
+    /// 1 less the cosine of the angle beyond which there is no light; at least the inner one.
+    pub outer_height: f32,
 }
 
 /// Light from one direction.
@@ -70,33 +71,40 @@ impl PointLight {
 }
 
 impl SpotLight {
-    /// Power of the cone, the soft edge counted as linear in cosine, which is close enough to choose by.
+    /// Power of the cone; the soft edge, a square, sends a third of what it would at full intensity.
     pub(super) fn power(&self) -> Rgb {
-        self.intensity * (2.0 * PI * (1.0 - 0.5 * (self.cos_inner + self.cos_outer)))
+        let edge = self.outer_height - self.inner_height;
+        self.intensity * (2.0 * PI * (self.inner_height + edge / 3.0))
     }
 
-    /// Share of the intensity towards a direction that makes the given cosine with the axis, as in
-    /// `KHR_lights_punctual`: squared, linear in cosine between the cones.
+    /// Share of the intensity towards a unit direction: squared, linear in cosine between the cones,
+    /// as in `KHR_lights_punctual`, but without its limit for cones that are closer than 0.001.
     #[inline]
-    fn falloff(&self, cos: f32) -> f32 {
-        let width = (self.cos_inner - self.cos_outer).max(1e-3);
-        let linear = ((cos - self.cos_outer) / width).clamp(0.0, 1.0);
+    fn falloff(&self, direction: Vec3, axis: Vec3) -> f32 {
+        let height = 0.5 * (direction - axis).length_squared();
+        if height <= self.inner_height {
+            return 1.0;
+        }
+        if height >= self.outer_height {
+            return 0.0;
+        }
+        let linear = (self.outer_height - height) / (self.outer_height - self.inner_height);
         linear * linear
     }
 
     #[inline]
     pub(super) fn aim(&self, x: Vec3) -> Option<Aim> {
-        let intensity = |direction: Vec3| self.intensity * self.falloff(direction.dot(self.axis));
-        let pdf_w = warp::uniform_cone_pdf_w(self.cos_outer);
+        let intensity = |direction: Vec3| self.intensity * self.falloff(direction, self.axis);
+        let pdf_w = warp::uniform_cone_pdf_w(self.outer_height);
         let aim = aim_at_point(self.position, x, intensity, pdf_w)?;
         (!aim.value.is_black()).then_some(aim)
     }
 
     pub(super) fn start(&self, u: [f32; 2]) -> Option<Start> {
-        let local = warp::uniform_cone(u, self.cos_outer);
+        let local = warp::uniform_cone(u, self.outer_height);
         let direction = Frame::from_z(self.axis).world_from_local(local);
-        let intensity = self.intensity * self.falloff(local.z);
-        let pdf_w = warp::uniform_cone_pdf_w(self.cos_outer);
+        let intensity = self.intensity * self.falloff(local, Vec3::Z);
+        let pdf_w = warp::uniform_cone_pdf_w(self.outer_height);
         (!intensity.is_black()).then(|| start_at_point(self.position, direction, intensity, pdf_w))
     }
 }
@@ -195,5 +203,94 @@ fn start_at_point(position: Vec3, direction: Vec3, intensity: Rgb, pdf_w: f32) -
         on_triangle: None,
         is_delta_position: true,
         is_delta_direction: false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::SpotLight;
+    use crate::math::Frame;
+    use crate::radiometry::Rgb;
+    use crate::sampling::Sampler;
+
+    /// 1 less the cosine of an angle.
+    fn height(degrees: f64) -> f32 {
+        (2.0 * (0.5 * degrees.to_radians()).sin().powi(2)) as f32
+    }
+
+    fn spot(inner: f64, outer: f64) -> SpotLight {
+        SpotLight {
+            position: Vec3::ZERO,
+            axis: Vec3::new(0.6, -0.64, 0.48),
+            intensity: Rgb::splat(100.0),
+            inner_height: height(inner),
+            outer_height: height(outer),
+        }
+    }
+
+    const CONES: [(f64, f64); 10] = [
+        (0.0, 90.0),
+        (90.0, 90.0),
+        (40.0, 60.0),
+        (2.0, 2.5),
+        (2.0, 2.0),
+        (1.999, 2.0),
+        (0.2, 0.3),
+        (0.0, 0.1),
+        (0.01, 0.02),
+        (0.02, 0.02),
+    ];
+
+    #[test]
+    fn intensity_is_full_inside_and_falls_as_a_square() {
+        for (inner, outer) in CONES {
+            let spot = spot(inner, outer);
+            let frame = Frame::from_z(spot.axis);
+            let at = |degrees: f64| {
+                let (sin, cos) = degrees.to_radians().sin_cos();
+                let w = frame.world_from_local(Vec3::new(sin as f32, 0.0, cos as f32));
+                spot.aim(w).map_or(0.0, |aim| aim.value.g)
+            };
+            // Single precision tells directions apart to about 1e-5 degrees.
+            let share = |degrees: f64| {
+                let cos = |x: f64| 2.0 * (0.5 * x.to_radians()).sin().powi(2);
+                ((cos(outer) - cos(degrees)) / (cos(outer) - cos(inner))).powi(2)
+            };
+            for k in 1..10 {
+                let k = f64::from(k) / 10.0;
+                let name = format!("{inner} {outer} at {k}");
+                let inside = at(k * inner);
+                assert!((inside - 100.0).abs() < 1e-3, "{name}: {inside}");
+                if outer - inner > 0.05 * outer {
+                    let degrees = inner + k * (outer - inner);
+                    let (found, right) = (f64::from(at(degrees)), 100.0 * share(degrees));
+                    let slope = (share(degrees - 1e-5) - share(degrees + 1e-5)).abs();
+                    assert!(
+                        (found - right).abs() < 0.01 + 100.0 * slope,
+                        "{name}: {found} for {right}"
+                    );
+                }
+            }
+            assert_eq!(at(1.01 * outer), 0.0);
+        }
+    }
+
+    #[test]
+    fn starts_carry_the_power() {
+        for (inner, outer) in CONES {
+            let spot = spot(inner, outer);
+            let n = 20_000;
+            let sum: f64 = (0..n)
+                .filter_map(|i| spot.start(Sampler::new(4, 0, i).next_2d()))
+                .map(|start| f64::from(start.value.g / start.densities.pdf_w))
+                .sum();
+            let (mean, power) = (sum / f64::from(n), f64::from(spot.power().g));
+            assert!(
+                (mean / power - 1.0).abs() < 1e-3,
+                "{inner} {outer}: {mean} for {power}"
+            );
+        }
     }
 }

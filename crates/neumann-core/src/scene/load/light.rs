@@ -16,6 +16,11 @@ use crate::scene::description::{LightDescription, LightKind};
 
 const EXTENSION: &str = "KHR_lights_punctual";
 
+/// Far above the sun, which has about 3e25 W/sr; the power of many such lights is still finite.
+const LARGEST_INTENSITY: f32 = 1e30;
+/// As far above the sun's 1361 W/m²; its power over the largest scene is still finite.
+const LARGEST_IRRADIANCE: f32 = 1e18;
+
 /// The light that a node carries, if any.
 pub(super) fn read(
     document: &Document,
@@ -46,10 +51,10 @@ pub(super) fn read(
     let mut factors = Factors::of("light", &name, notes);
     let kind = match light.text("type")? {
         Some("point") => LightKind::Point {
-            intensity: strength(&light, &mut factors)?,
+            intensity: strength(&light, &mut factors, LARGEST_INTENSITY)?,
         },
         Some("directional") => LightKind::Directional {
-            irradiance: strength(&light, &mut factors)?,
+            irradiance: strength(&light, &mut factors, LARGEST_IRRADIANCE)?,
         },
         Some("spot") => spot(&light, &mut factors)?,
         other => {
@@ -74,19 +79,32 @@ pub(super) fn read(
     }))
 }
 
-/// Colour times intensity.
-fn strength(light: &Item<'_>, factors: &mut Factors<'_>) -> Result<Rgb, Fault> {
+/// Colour times intensity, neither above `largest`.
+fn strength(light: &Item<'_>, factors: &mut Factors<'_>, largest: f32) -> Result<Rgb, Fault> {
     let color = factors.color(light, "color", Rgb::WHITE, &(0.0..=LARGEST))?;
-    let intensity = factors.number(light, "intensity", 1.0, 0.0..=LARGEST)?;
-    Ok(color * intensity)
+    let intensity = factors.number(light, "intensity", 1.0, 0.0..=largest)?;
+    let strength = color * intensity;
+    if strength.to_array().iter().any(|x| *x > largest) {
+        factors.notes.warn(format!(
+            "{}: its color times its intensity is beyond {largest:e}, which is used",
+            factors.owner
+        ));
+    }
+    Ok(strength.map(|x| x.min(largest)))
 }
 
 fn spot(light: &Item<'_>, factors: &mut Factors<'_>) -> Result<LightKind, Fault> {
-    let intensity = strength(light, factors)?;
+    let intensity = strength(light, factors, LARGEST_INTENSITY)?;
     let (mut inner_cone, mut outer_cone) = (0.0, FRAC_PI_4);
     if let Some(spot) = light.child("spot")? {
         inner_cone = factors.number(&spot, "innerConeAngle", inner_cone, 0.0..=FRAC_PI_2)?;
         outer_cone = factors.number(&spot, "outerConeAngle", outer_cone, 0.0..=FRAC_PI_2)?;
+    }
+    if outer_cone == 0.0 {
+        factors.notes.warn(format!(
+            "{}: its outer cone has no width, so that it gives no light",
+            factors.owner
+        ));
     }
     if inner_cone > outer_cone {
         factors.notes.warn(format!(

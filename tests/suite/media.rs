@@ -16,7 +16,7 @@ use neumann_core::radiometry::Rgb;
 use neumann_core::sampling::Sampler;
 use neumann_core::scene::Scene;
 use neumann_core::scene::description::{
-    AlphaMode, CameraDescription, InstanceDescription, LightKind, MaterialDescription,
+    AlphaMode, CameraDescription, InstanceDescription, Lens, LightKind, MaterialDescription,
     MeshDescription, Projection, VolumeDescription,
 };
 use neumann_core::transport::Tracer;
@@ -263,6 +263,18 @@ fn bodies_of_one_medium_that_overlap_or_touch_are_as_one() {
     }
 }
 
+#[test]
+fn of_two_alike_that_overlap_the_first_is_there() {
+    let (one, two) = (slab(2.0, 4.0), moved(slab(2.0, 4.0), Vec3::Y));
+    for (first, exact) in [(1.0, 2.0 + 0.5), (0.5, 4.0 + 1.0)] {
+        let mut stage = below_lamp(0.0);
+        stage.add("first", one.clone(), glass(1.0, 0.0, first));
+        stage.add("second", two.clone(), glass(1.0, 0.0, 2.0 * first));
+        let layers = [0.0, 0.0, 0.0, 0.5f64.powf(exact)];
+        judge("alike", &stage.scene(), &layers);
+    }
+}
+
 /// Walls of one body in several meshes, of materials that differ in more than their medium; and six
 /// walls that are nodes by themselves.
 #[test]
@@ -427,6 +439,37 @@ fn a_camera_under_water() {
         stage.add("water", water, glass(1.33, roughness, 1.0));
         compare("water", &stage.scene(), &["pt-bsdf", "lt", "bdpt"], 4);
     }
+}
+
+/// Light paths run into the lens as well.
+#[test]
+fn a_wide_lens_under_water() {
+    let mut stage = studio(Vec3::new(0.1, 0.9, 0.1));
+    stage.description.cameras[0].lens = Some(Lens {
+        aperture: 0.5,
+        focus_distance: 0.9,
+    });
+    let water = cuboid(Vec3::new(-1.8, -0.2, -1.8), Vec3::new(1.8, 1.5, 1.8));
+    stage.add("water", water, glass(1.33, 0.3, 0.5));
+    let bead = moved(ball(0.15), Vec3::new(0.25, 0.5, 0.0));
+    stage.add("bead", bead, glass(2.0, 0.6, CLEAR));
+    compare("lens", &stage.scene(), &["pt-bsdf", "lt", "bdpt"], 3);
+}
+
+/// Bodies that light enters and leaves through holes, too.
+#[test]
+fn light_paths_through_walls_that_leak() {
+    let leaky = MaterialDescription {
+        alpha: 0.5,
+        alpha_mode: AlphaMode::Blend,
+        ..glass(1.4, 0.4, 0.3)
+    };
+    let mut stage = studio(Vec3::new(0.0, 1.3, 1.5));
+    let block = cuboid(Vec3::new(-0.8, 0.1, -0.8), Vec3::new(0.8, 1.1, 0.8));
+    stage.add("block", block, leaky);
+    let center = Vec3::Y * 0.6;
+    stage.add("ball", moved(ball(0.3), center), lambert(0.8));
+    compare("leaky", &stage.scene(), &["pt-bsdf", "lt", "bdpt"], 4);
 }
 
 #[test]

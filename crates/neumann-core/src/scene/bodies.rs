@@ -9,10 +9,11 @@
 //!
 //! **Nesting**: where bodies overlap, the one that encloses the smaller volume is there, the others
 //! are not. A body within another is the smaller of both, so this orders bodies by nesting; it
-//! depends on the bodies alone, not on the way that light takes through them. (Schmidt and Budge
-//! 2002, "Simple nested dielectrics in ray traced images", ask for a priority in its place.) A wall
-//! with the same medium on both sides is no interface: light passes it as if it were not there.
-//! Walls that coincide are one interface, between what is in front of all and what is behind all.
+//! depends on the bodies alone, not on the way that light takes through them; of two alike, the
+//! first of the file counts as the smaller. (Schmidt and Budge 2002, "Simple nested dielectrics in
+//! ray traced images", ask for a priority in its place.) A wall with the same medium on both sides
+//! is no interface: light passes it as if it were not there. Walls that coincide are one interface,
+//! between what is in front of all and what is behind all.
 //!
 //! **Cavities**: a closed surface turned inside out, within another body, bounds that body from
 //! inside (a bubble). By itself, it is a body whose triangles are wound the wrong way round.
@@ -170,7 +171,8 @@ impl Bodies {
         // Numbers by nesting.
         parts.retain(|part| !part.meshes.is_empty());
         parts.sort_by(|a, b| {
-            let volume = |part: &Part| part.shape.volume.abs();
+            // To a ten-thousandth, or rounding would tell which of two equal bodies is smaller.
+            let volume = |part: &Part| (part.shape.volume.abs().log2() * 8192.0).round();
             let by_volume = volume(a).total_cmp(&volume(b));
             let by_kind = b.is_closed.cmp(&a.is_closed);
             by_kind.then(by_volume).then(a.meshes[0].cmp(&b.meshes[0]))

@@ -37,8 +37,43 @@ struct Met {
     hit: Hit,
     /// Probability with which it stops the ray there.
     opacity: f32,
-    /// `None` for a surface that is no wall.
-    crossing: Option<Crossing>,
+    /// With the normal of the wall; `None` for a surface that is none.
+    crossing: Option<(Crossing, Vec3)>,
+}
+
+/// What stops a ray.
+struct Stop {
+    hit: Hit,
+    /// What is behind it.
+    across: Media,
+    /// [`SurfaceVertex::indices`]
+    indices: [u8; 2],
+}
+
+impl Stop {
+    /// A surface that is no wall.
+    #[inline(always)]
+    fn at(hit: &Hit, media: Media) -> Self {
+        Self {
+            hit: *hit,
+            across: media,
+            indices: [0; 2],
+        }
+    }
+
+    /// An interface between media.
+    fn between(hit: &Hit, ng: Vec3, ray: &Ray, crossing: &Crossing) -> Self {
+        let [before, behind] = crossing.indices;
+        Self {
+            hit: *hit,
+            across: crossing.across,
+            indices: if ng.dot(ray.direction()) < 0.0 {
+                [before, behind]
+            } else {
+                [behind, before]
+            },
+        }
+    }
 }
 
 /// Walls that are turned against each other by more than this do not coincide: cosine.
@@ -110,70 +145,64 @@ impl<'a> Tracer<'a> {
         media: &mut Media,
         throughput: &mut Rgb,
     ) -> Option<SurfaceVertex<'a>> {
-        if self.scene.bodies().is_empty() {
-            return Some(self.surface_vertex(-ray.direction(), found?));
+        let stop = if self.scene.bodies().is_empty() {
+            Stop::at(found?, *media)
+        } else {
+            self.stop(ray, found, media, throughput)?
+        };
+        let mut vertex = self.surface_vertex(-ray.direction(), &stop.hit);
+        vertex.across = stop.across;
+        if stop.indices != [0; 2] {
+            self.put_between(&mut vertex, stop.indices);
         }
-        self.arrive_among_bodies(ray, found, media, throughput)
+        Some(vertex)
     }
 
+    /// What stops a ray, in a scene with bodies.
     #[inline(never)]
-    fn arrive_among_bodies(
+    fn stop(
         &mut self,
         ray: &Ray,
         found: Option<&Hit>,
         media: &mut Media,
         throughput: &mut Rgb,
-    ) -> Option<SurfaceVertex<'a>> {
+    ) -> Option<Stop> {
         let bodies = self.scene.bodies();
         if bodies.have_leaks() {
-            return self.arrive_through_walls(ray, f32::INFINITY, media, throughput);
+            return self.stop_behind_walls(ray, media, throughput);
         }
         let hit = found?;
         let Some((wall, ng)) = self.wall(hit) else {
             *throughput *= bodies.transmittance(*media, hit.t);
-            let mut vertex = self.surface_vertex(-ray.direction(), hit);
-            vertex.across = *media;
-            return Some(vertex);
+            return Some(Stop::at(hit, *media));
         };
         if bodies.has_neighbours(wall.body as usize) {
             // Most often it is what stops the ray, or one of the walls in the same place is.
             let end = hit.t + self.reach(hit, ray.direction());
-            return self.arrive_through_walls(ray, end, media, throughput);
+            let nearer = Ray::with_end(ray.origin(), ray.direction(), end.min(ray.t_max()));
+            let mut likely = (*media, *throughput);
+            if let Some(stop) = self.stop_behind_walls(&nearer, &mut likely.0, &mut likely.1) {
+                (*media, *throughput) = likely;
+                return Some(stop);
+            }
+            return self.stop_behind_walls(ray, media, throughput);
         }
         let is_entered = Bodies::is_entered(wall, ng, ray.direction());
         let crossing = bodies.crossing(*media, (wall, is_entered), []);
         if !crossing.is_interface {
-            return self.arrive_through_walls(ray, f32::INFINITY, media, throughput);
+            return self.stop_behind_walls(ray, media, throughput);
         }
         *throughput *= bodies.transmittance(*media, hit.t);
-        Some(self.vertex_at(ray, hit, &crossing))
+        Some(Stop::between(hit, ng, ray, &crossing))
     }
 
-    /// The same, wall by wall; nothing that stops the ray is likely to be beyond `likely_end`.
-    fn arrive_through_walls(
-        &mut self,
-        ray: &Ray,
-        likely_end: f32,
-        media: &mut Media,
-        throughput: &mut Rgb,
-    ) -> Option<SurfaceVertex<'a>> {
-        if likely_end < ray.t_max() {
-            let nearer = Ray::with_end(ray.origin(), ray.direction(), likely_end);
-            let mut likely = (*media, *throughput);
-            if let Some(vertex) = self.arrive_before_end(&nearer, &mut likely.0, &mut likely.1) {
-                (*media, *throughput) = likely;
-                return Some(vertex);
-            }
-        }
-        self.arrive_before_end(ray, media, throughput)
-    }
-
-    fn arrive_before_end(
+    /// The same, wall by wall.
+    fn stop_behind_walls(
         &mut self,
         ray: &Ray,
         media: &mut Media,
         throughput: &mut Rgb,
-    ) -> Option<SurfaceVertex<'a>> {
+    ) -> Option<Stop> {
         let bodies = self.scene.bodies();
         let mut hits = self.all_hits(ray);
         let mut from = 0.0;
@@ -183,25 +212,20 @@ impl<'a> Tracer<'a> {
                 opacity,
                 crossing,
             } = met;
-            let is_stopped =
-                opacity >= 1.0 || (opacity > 0.0 && chance(ray, hit.triangle) < opacity);
+            let stops = opacity >= 1.0 || (opacity > 0.0 && chance(ray, hit.triangle) < opacity);
             match crossing {
-                None if !is_stopped => {}
-                Some(crossing) if !(is_stopped && crossing.is_interface) => {
+                None if !stops => {}
+                Some((crossing, ng)) => {
                     *throughput *= bodies.transmittance(*media, hit.t - from);
+                    if stops && crossing.is_interface {
+                        return Some(Stop::between(&hit, ng, ray, &crossing));
+                    }
                     from = hit.t;
                     *media = crossing.across;
                 }
-                crossing => {
+                None => {
                     *throughput *= bodies.transmittance(*media, hit.t - from);
-                    return Some(match crossing {
-                        Some(crossing) => self.vertex_at(ray, &hit, &crossing),
-                        None => {
-                            let mut vertex = self.surface_vertex(-ray.direction(), &hit);
-                            vertex.across = *media;
-                            vertex
-                        }
-                    });
+                    return Some(Stop::at(&hit, *media));
                 }
             }
         }
@@ -279,13 +303,16 @@ impl<'a> Tracer<'a> {
         let mut light = Rgb::WHITE;
         let mut from = 0.0;
         while let Some(met) = self.next_met(ray, &mut hits, media) {
-            if met.crossing.is_none_or(|crossing| crossing.is_interface) {
+            if met
+                .crossing
+                .is_none_or(|(crossing, _)| crossing.is_interface)
+            {
                 light *= 1.0 - met.opacity;
                 if light.is_black() {
                     return Rgb::BLACK;
                 }
             }
-            if let Some(crossing) = met.crossing {
+            if let Some((crossing, _)) = met.crossing {
                 let to = met.hit.t * length;
                 light *= bodies.transmittance(media, to - from);
                 from = to;
@@ -326,7 +353,7 @@ impl<'a> Tracer<'a> {
                 continue;
             }
             // The innermost of the walls there decides, the others go with it.
-            let mut deciding = (first, wall, is_entered);
+            let mut deciding = (first, wall, is_entered, ng);
             let mut others: Vec<(Wall, bool)> = Vec::new();
             let mut place = hits.len();
             while place > 0 && hits[place - 1].t <= first.t + reach {
@@ -342,16 +369,16 @@ impl<'a> Tracer<'a> {
                 let is_entered = Bodies::is_entered(wall, other_ng, direction);
                 if wall.body < deciding.1.body {
                     others.push((deciding.1, deciding.2));
-                    deciding = (hit, wall, is_entered);
+                    deciding = (hit, wall, is_entered, other_ng);
                 } else if wall.body > deciding.1.body {
                     others.push((wall, is_entered));
                 }
             }
-            let (hit, wall, is_entered) = deciding;
+            let (hit, wall, is_entered, ng) = deciding;
             return Some(Met {
                 hit,
                 opacity: self.opacity(&hit),
-                crossing: Some(bodies.crossing(media, (wall, is_entered), others)),
+                crossing: Some((bodies.crossing(media, (wall, is_entered), others), ng)),
             });
         }
     }
@@ -371,20 +398,6 @@ impl<'a> Tracer<'a> {
         let length = direction.length();
         let cos = (facet.ng.dot(direction) / length).abs();
         4.0 * facet.error() / (cos.max(0.01) * length)
-    }
-
-    /// The vertex where an interface between media was hit.
-    fn vertex_at(&self, ray: &Ray, hit: &Hit, crossing: &Crossing) -> SurfaceVertex<'a> {
-        let mut vertex = self.surface_vertex(-ray.direction(), hit);
-        vertex.across = crossing.across;
-        let [before, behind] = crossing.indices;
-        let indices = if vertex.point.ng.dot(vertex.wo) > 0.0 {
-            [before, behind]
-        } else {
-            [behind, before]
-        };
-        self.put_between(&mut vertex, indices);
-        vertex
     }
 
     /// Puts a surface between media of two indices of refraction, given by their numbers: in front

@@ -25,6 +25,7 @@ pub fn run(options: ViewOptions) -> Result<(), ViewError> {
         return Err(ViewError::Other("no screenshot was asked for".to_owned()));
     };
     let mut canvas = Canvas::new(shot.size)?;
+    options.check_sizes(canvas.device.limits().max_texture_dimension_2d as usize)?;
     let link = RenderLink::live(options.threads, || {}).map_err(ViewError::Other)?;
     let mut app = App::new(link, options, || {});
     app.open_first_scene();

@@ -89,6 +89,27 @@ pub struct EnvironmentOptions {
     pub rotation: Option<f32>,
 }
 
+impl ViewOptions {
+    /// Refuses pictures that a device with textures of at most so many pixels cannot draw.
+    pub(crate) fn check_sizes(&self, largest: usize) -> Result<(), ViewError> {
+        let picture = self.size.map(|size| ("--size", size));
+        let window = self.screenshot.as_ref().map(|shot| {
+            let (width, height) = shot.size;
+            ("--window-size", (width as usize, height as usize))
+        });
+        for (option, size) in picture.into_iter().chain(window) {
+            if size.0.max(size.1) > largest {
+                return Err(ViewError::TooLarge {
+                    option,
+                    size,
+                    largest,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
@@ -102,6 +123,19 @@ pub enum ViewError {
         "no graphics adapter ({0}); install a Vulkan driver (on Debian a software one is in mesa-vulkan-drivers), or use 'neumann render' or 'neumann series'"
     )]
     NoAdapter(String),
+    /// Something is larger than the graphics device can draw.
+    #[error(
+        "{option} {}x{}: the graphics device draws at most {largest} pixels each way; choose a smaller size",
+        size.0, size.1
+    )]
+    TooLarge {
+        /// The option that asked for it.
+        option: &'static str,
+        /// What was asked for.
+        size: (usize, usize),
+        /// What can be had.
+        largest: usize,
+    },
     /// Something else.
     #[error("{0}")]
     Other(String),

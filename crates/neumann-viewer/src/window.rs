@@ -136,6 +136,7 @@ impl Handler {
         })
         .map_err(|e| other(&e))?;
         let proxy = self.proxy.clone();
+        let sizes = options.clone();
         let mut app = App::new(link, options, move || {
             let _ = proxy.send_event(Event::Wake);
         });
@@ -144,6 +145,7 @@ impl Handler {
         // The scene is read while the graphics device gets ready.
         let start = Instant::now();
         let surface = Surface::new(event_loop, Arc::clone(&window))?;
+        sizes.check_sizes(surface.max_texture_side())?;
         if let Some(latencies) = &mut self.latencies {
             latencies.adapter = start.elapsed();
         }

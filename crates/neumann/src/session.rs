@@ -15,6 +15,8 @@ use crate::failure::{Outcome, bad_input};
 use crate::options::GoalOptions;
 use crate::progress::{Progress, Standing};
 
+#[cfg(feature = "window")]
+pub(crate) use memory::check_film;
 pub(crate) use memory::peak_bytes;
 
 /// When rendering is done: at the first of these that is met.

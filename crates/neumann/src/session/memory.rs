@@ -11,19 +11,21 @@ use crate::failure::{Outcome, bad_input};
 
 /// Refuses a film that would not fit into memory.
 pub(super) fn check(settings: &RenderSettings) -> Outcome {
+    check_film(settings.width, settings.height, settings.n_layers)
+}
+
+/// Refuses a film of that size and so many layers if it would not fit into memory.
+pub(crate) fn check_film(width: usize, height: usize, n_layers: usize) -> Outcome {
     let Some(available) = free_bytes() else {
         return Ok(());
     };
-    let needed = needed_bytes(settings);
+    let needed = needed_bytes(width, height, n_layers);
     if needed <= available {
         return Ok(());
     }
     Err(bad_input(format!(
-        "--size: a film of {}x{} with {} layers needs {:.1} GB, but {:.1} GB of memory are free; \
+        "--size: a film of {width}x{height} with {n_layers} layers needs {:.1} GB, but {:.1} GB of memory are free; \
          choose a smaller --size or fewer --layers",
-        settings.width,
-        settings.height,
-        settings.n_layers,
         needed as f64 * 1e-9,
         available as f64 * 1e-9
     )))
@@ -35,10 +37,10 @@ pub(crate) fn peak_bytes() -> Option<u64> {
 }
 
 /// Two films in turn, and the planes of a file, three floats a pixel each; features beside them.
-fn needed_bytes(settings: &RenderSettings) -> u64 {
-    let n_layers = settings.n_layers as u64 + 1;
+fn needed_bytes(width: usize, height: usize, n_layers: usize) -> u64 {
+    let n_layers = n_layers as u64 + 1;
     let planes = 2 * (n_layers + 2) + (n_layers + 3) + 5;
-    (settings.width as u64 * settings.height as u64).saturating_mul(planes * 12)
+    (width as u64 * height as u64).saturating_mul(planes * 12)
 }
 
 /// A line `name   number kB` of a file of the system, in bytes.

@@ -10,6 +10,7 @@ use super::NoWindow;
 use crate::cli::ViewArguments;
 use crate::failure::{Outcome, bad_input};
 use crate::outputs;
+use crate::session::check_film;
 use crate::suggest::check_scene;
 
 /// Opens the window with a scene.
@@ -31,6 +32,7 @@ fn no_window(error: ViewError) -> NoWindow {
             "no graphics adapter; install a Vulkan driver (on Debian: apt install mesa-vulkan-drivers)"
                 .to_owned(),
         ),
+        error @ ViewError::TooLarge { .. } => NoWindow::Failed(bad_input(error)),
         error @ ViewError::Other(_) => NoWindow::Failed(error.into()),
     }
 }
@@ -45,6 +47,9 @@ pub(crate) fn run(arguments: &ViewArguments) -> Outcome {
         outputs::check(path)?;
         outputs::refuse_inputs(path, [&PathBuf::from(&arguments.scene)])?;
         outputs::refuse_inputs(path, &arguments.settings.environment.env)?;
+    }
+    if let Some((width, height)) = arguments.settings.size {
+        check_film(width, height, arguments.settings.layers as usize)?;
     }
     neumann_viewer::run(options(arguments)?).map_err(|error| match no_window(error) {
         NoWindow::Impossible(what) => {

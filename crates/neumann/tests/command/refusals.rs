@@ -226,6 +226,29 @@ fn odd_values_are_answered_in_one_sentence() {
     assert_eq!(fs::read(folder.join("a.exr")).unwrap(), b"precious");
 }
 
+#[cfg(feature = "window")]
+#[test]
+fn what_no_graphics_device_can_draw_is_refused() {
+    let folder = Folder::new();
+    let lines = [
+        "view cornell --screenshot a.png --window-size 40000x100",
+        "view cornell --screenshot a.png --window-size 100x65535",
+        "view cornell --screenshot a.png --size 65535x1",
+    ];
+    for line in lines {
+        let output = folder.run(line);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        if stderr.contains("no graphics adapter") && std::env::var_os("CI").is_none() {
+            eprintln!("left out: no graphics adapter");
+            return;
+        }
+        assert_eq!(output.status.code(), Some(2), "{line}: {stderr}");
+        assert!(stderr.contains("smaller size"), "{line}: {stderr}");
+        assert_eq!(stderr.lines().count(), 1, "{line}: {stderr}");
+    }
+    assert!(folder.names().iter().all(|name| name != "a.png"));
+}
+
 #[test]
 fn misspelt_words_are_answered_with_what_was_meant() {
     let folder = Folder::new();

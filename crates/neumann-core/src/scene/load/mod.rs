@@ -34,8 +34,6 @@ mod light;
 mod material;
 mod mesh;
 mod morph;
-#[cfg(test)]
-mod mutation_tests;
 mod node;
 mod notes;
 mod picture;

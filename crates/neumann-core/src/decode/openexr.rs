@@ -52,7 +52,14 @@ impl<R: Read + Seek> File<R> {
     ///
     /// # Errors
     /// If it is no such file, broken, or its windows do not meet.
-    pub fn open(bytes: R, length: u64) -> Result<Self, DecodeError> {
+    pub fn open(mut bytes: R, length: u64) -> Result<Self, DecodeError> {
+        let reduced = reduced_channels(&mut bytes).map_err(DecodeError::broken)?;
+        if let Some(names) = reduced {
+            return Err(content(format!(
+                "has channels of less than full size, as luminance and chroma do, which cannot be \
+                 read; its channels are {names}"
+            )));
+        }
         quietly(|| {
             let reader = exr::block::read(bytes, false).map_err(DecodeError::broken)?;
             let headers = reader.headers();
@@ -113,17 +120,11 @@ impl<R: Read + Seek> File<R> {
             .iter()
             .map(|l| if l.name.is_empty() { "L" } else { &l.name })
             .collect();
-        let has_chroma = self.channel_names().iter().any(|n| n.ends_with("RY"));
-        let chroma = if has_chroma {
-            " (luminance and chroma at less than full size cannot be read)"
-        } else {
-            ""
-        };
         if known.is_empty() {
             let channels = self.channel_names().join(", ");
-            content(format!("{wanted}; its channels are {channels}{chroma}"))
+            content(format!("{wanted}; its channels are {channels}"))
         } else {
-            content(format!("{wanted}; there are {}{chroma}", known.join(", ")))
+            content(format!("{wanted}; there are {}", known.join(", ")))
         }
     }
 
@@ -196,6 +197,31 @@ impl<R: Read + Seek> File<R> {
     }
 }
 
+/// The names of all channels of the first part, if one of them is not stored for every pixel:
+/// the decoder would refuse the file without saying what is in it.
+fn reduced_channels(bytes: &mut (impl Read + Seek)) -> std::io::Result<Option<String>> {
+    let mut head = Vec::new();
+    bytes.by_ref().take(1 << 16).read_to_end(&mut head)?;
+    bytes.rewind()?;
+    let list = b"channels\0chlist\0";
+    let Some(at) = head.windows(list.len()).position(|w| w == list) else {
+        return Ok(None);
+    };
+    let mut rest = head.get(at + list.len() + 4..).unwrap_or(&[]);
+    let (mut names, mut is_reduced) = (Vec::new(), false);
+    // A name, zero, type and flags in eight bytes, and the sampling each way in four.
+    while let Some(end) = rest.iter().position(|b| *b == 0).filter(|end| *end > 0) {
+        let (name, fields) = rest.split_at(end);
+        let Some(sampling) = fields.get(9..17) else {
+            break;
+        };
+        names.push(String::from_utf8_lossy(name).into_owned());
+        is_reduced |= sampling != [1, 0, 0, 0, 1, 0, 0, 0];
+        rest = &fields[17..];
+    }
+    Ok(is_reduced.then(|| names.join(", ")))
+}
+
 /// Where the data window begins in the display window, x or y.
 fn offset(header: &Header, axis: usize) -> isize {
     let data = header.own_attributes.layer_position;
@@ -242,40 +268,47 @@ impl Target {
         let n_bytes = if kind == SampleType::F16 { 2 } else { 4 };
         let skipped = usize::try_from(-x).unwrap_or(0);
         let start = row.start + usize::try_from(x).unwrap_or(0);
-        let samples = line.chunks_exact(n_bytes).skip(skipped);
-        let slots = [0, 1, 2].map(|slot| channels[slot] == channel);
-        match &mut self.0 {
-            StoredRadiances::Half(pixels) => {
-                let Some(pixels) = pixels.get_mut(start..row.end) else {
-                    return;
-                };
-                for (pixel, sample) in pixels.iter_mut().zip(samples) {
-                    let value = f16::from_ne_bytes([sample[0], sample[1]]);
-                    for slot in (0..3).filter(|slot| slots[*slot]) {
-                        pixel[slot] = value;
+        let samples = line.get(skipped.saturating_mul(n_bytes)..).unwrap_or(&[]);
+        for slot in (0..3).filter(|slot| channels[*slot] == channel) {
+            match &mut self.0 {
+                StoredRadiances::Half(pixels) => {
+                    let pixels = pixels.get_mut(start..row.end).unwrap_or(&mut []);
+                    let (samples, _) = samples.as_chunks::<2>();
+                    for (pixel, sample) in pixels.iter_mut().zip(samples) {
+                        pixel[slot] = f16::from_ne_bytes(*sample);
                     }
                 }
-            }
-            StoredRadiances::Float(pixels) => {
-                let Some(pixels) = pixels.get_mut(start..row.end) else {
-                    return;
-                };
-                for (pixel, sample) in pixels.iter_mut().zip(samples) {
-                    let value = match (kind, sample) {
-                        (SampleType::F16, &[a, b]) => f16::from_ne_bytes([a, b]).to_f32(),
-                        (SampleType::F32, &[a, b, c, d]) => f32::from_ne_bytes([a, b, c, d]),
-                        (SampleType::U32, &[a, b, c, d]) => u32::from_ne_bytes([a, b, c, d]) as f32,
-                        _ => 0.0,
-                    };
-                    let mut values = pixel.to_array();
-                    for slot in (0..3).filter(|slot| slots[*slot]) {
-                        values[slot] = value;
+                StoredRadiances::Float(pixels) => {
+                    let pixels = pixels.get_mut(start..row.end).unwrap_or(&mut []);
+                    let values = pixels.iter_mut().map(|pixel| &mut pixel_mut(pixel)[slot]);
+                    match kind {
+                        SampleType::F16 => {
+                            copy(values, samples, |two| f16::from_ne_bytes(two).to_f32());
+                        }
+                        SampleType::F32 => copy(values, samples, f32::from_ne_bytes),
+                        SampleType::U32 => {
+                            copy(values, samples, |four| u32::from_ne_bytes(four) as f32);
+                        }
                     }
-                    *pixel = Rgb::from(values);
                 }
+                StoredRadiances::Rgbe { .. } => {}
             }
-            StoredRadiances::Rgbe { .. } => {}
         }
+    }
+}
+
+fn pixel_mut(pixel: &mut Rgb) -> &mut [f32; 3] {
+    bytemuck::cast_mut(pixel)
+}
+
+fn copy<'a, const N: usize>(
+    values: impl Iterator<Item = &'a mut f32>,
+    samples: &[u8],
+    float: impl Fn([u8; N]) -> f32,
+) {
+    let (samples, _) = samples.as_chunks::<N>();
+    for (value, sample) in values.zip(samples) {
+        *value = float(*sample);
     }
 }
 
@@ -488,6 +521,11 @@ mod tests {
         usual.sort_unstable();
         let bytes = file((0, 0), display, &usual, false);
         assert_eq!(read(&bytes, None).unwrap().1.get(0).r, 50.0);
+        let mut chroma = file((0, 0), display, &["BY", "RY", "Y"], false);
+        let list = chroma.windows(6).position(|w| w == b"chlist").unwrap();
+        chroma[list + 7 + 4 + 3 + 8] = 2;
+        let error = read(&chroma, None).unwrap_err().to_string();
+        assert!(error.contains("channels are BY, RY, Y"), "{error}");
         let none = file((0, 0), display, &["Z"], false);
         assert!(read(&none, None).is_err());
         assert!(read(b"\x76\x2f\x31\x01 and nothing", None).is_err());

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use half::f16;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 use crate::memory::{self, Share, Shortage};
 use crate::radiometry::Rgb;
@@ -137,7 +138,11 @@ impl StoredRadiances {
     /// A sun beyond the range of half floats is stored as infinity: it becomes the brightest
     /// finite value of the picture. Negative numbers and what is none become 0.
     pub fn mend(&mut self) -> usize {
-        let n_odd = self.iter().filter(|texel| !texel.is_radiance()).count();
+        let n_odd = (0..self.len())
+            .into_par_iter()
+            .with_min_len(1 << 14)
+            .filter(|i| !self.get(*i).is_radiance())
+            .count();
         if n_odd == 0 {
             return 0;
         }

@@ -51,10 +51,6 @@ impl EnvironmentLight {
             map.height
         };
         let columns = map.width;
-        let at = |x: usize, y: usize| {
-            let y = if map.height == 1 { 0 } else { y };
-            map.texels.get(y * map.width + x)
-        };
         let solid_angle = |y: usize| {
             let (top, bottom) = (y as f64, (y + 1) as f64);
             let h = std::f64::consts::PI / rows as f64;
@@ -63,26 +59,26 @@ impl EnvironmentLight {
         let intensity = map.intensity * brightness;
         let (sin_rotation, cos_rotation) = map.rotation.sin_cos();
         let mut fluence = [0f64; 3];
-        let mut add = |x: usize, y: usize| {
-            let mean = bilinear_mean(&at, x, y, columns, rows);
-            let w = solid_angle(y);
+        let mut add = |mean: Rgb, w: f64| {
             for (sum, c) in fluence.iter_mut().zip(mean.to_array()) {
                 *sum += f64::from(c) * w;
             }
             f64::from(mean.mean()) * w
         };
-        let first = at(0, 0);
+        let first = map.texels.get(0);
         let distribution = if map.texels.iter().all(|texel| texel == first) {
-            let sum: f64 = (0..rows).map(|y| columns as f64 * add(0, y)).sum();
+            let sum: f64 = (0..rows).map(|y| add(first, solid_angle(y))).sum();
             fluence = fluence.map(|c| c * columns as f64);
             if sum <= 0.0 {
                 return None;
             }
             Distribution::Uniform(first * intensity)
         } else {
+            let mut means = Means::new(map, rows);
             Distribution::Texels(Grid2::from_rows(columns, rows, |y, weights| {
-                for (x, weight) in weights.iter_mut().enumerate() {
-                    *weight = add(x, y);
+                let w = solid_angle(y);
+                for (weight, mean) in weights.iter_mut().zip(means.next_row()) {
+                    *weight = add(mean, w);
                 }
             })?)
         };
@@ -240,23 +236,55 @@ fn pdf_w_from_density(density: f32, v: f32) -> f32 {
     }
 }
 
-/// Mean over one texel of the bilinear interpolation between texel centres: weights 1/8, 6/8, 1/8 each way.
-fn bilinear_mean(
-    at: &impl Fn(usize, usize) -> Rgb,
-    x: usize,
-    y: usize,
-    columns: usize,
-    rows: usize,
-) -> Rgb {
-    let mut sum = Rgb::BLACK;
-    for (dy, wy) in [(-1i64, 0.125f32), (0, 0.75), (1, 0.125)] {
-        let row = (y as i64 + dy).clamp(0, rows as i64 - 1) as usize;
-        for (dx, wx) in [(-1i64, 0.125f32), (0, 0.75), (1, 0.125)] {
-            let column = (x as i64 + dx).rem_euclid(columns as i64) as usize;
-            sum += at(column, row) * (wx * wy);
+/// Means over texels of the bilinear interpolation between texel centres, row by row: weights
+/// 1/8, 6/8, 1/8 each way. Each texel is read once.
+struct Means<'a> {
+    map: &'a EnvironmentDescription,
+    n_rows: usize,
+    next: usize,
+    /// The row above the next one, that row and the one below, averaged along themselves.
+    rows: [Vec<Rgb>; 3],
+}
+
+impl<'a> Means<'a> {
+    fn new(map: &'a EnvironmentDescription, n_rows: usize) -> Self {
+        let first = averaged_row(map, 0);
+        Self {
+            map,
+            n_rows,
+            next: 0,
+            rows: [Vec::new(), first.clone(), first],
         }
     }
-    sum
+
+    fn next_row(&mut self) -> impl Iterator<Item = Rgb> {
+        // Above the first row and below the last one is the row itself.
+        self.rows.rotate_left(1);
+        let is_new = self.next + 1 < self.n_rows.min(self.map.height);
+        self.rows[2] = if is_new {
+            averaged_row(self.map, self.next + 1)
+        } else {
+            self.rows[1].clone()
+        };
+        self.next += 1;
+        let [above, row, below] = &self.rows;
+        let neighbours = above.iter().zip(below);
+        row.iter()
+            .zip(neighbours)
+            .map(|(here, (above, below))| *here * 0.75 + (*above + *below) * 0.125)
+    }
+}
+
+fn averaged_row(map: &EnvironmentDescription, y: usize) -> Vec<Rgb> {
+    let n = map.width;
+    let row: Vec<Rgb> = (0..n).map(|x| map.texels.get(y * n + x)).collect();
+    (0..n)
+        .map(|x| {
+            let left = row[if x == 0 { n - 1 } else { x - 1 }];
+            let right = row[if x + 1 == n { 0 } else { x + 1 }];
+            row[x] * 0.75 + (left + right) * 0.125
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -107,13 +107,15 @@ pub(crate) struct ViewArguments {
 #[command(
     after_help = "Rendering ends at the first of --iterations, --time and --until-error that is met; 64 iterations \
     if none is given. Ctrl-C ends it early: whole iterations so far are written, and the exit code is 1.\n\
-    With --resume all of them count what is in the file already, so the same command line finishes what was interrupted.\n\n\
+    The .exr is also saved while rendering (--checkpoint). With --resume the goals count what is in the file already, \
+    so the same command line finishes what was interrupted.\n\n\
     Examples:\n  \
     neumann render cornell -o c.exr -o c.png --iterations 256\n  \
     neumann render room.gltf -o nee.exr --integrator pt-nee --size 1280x720 --until-error 0.01\n  \
     neumann render room.gltf -o room.exr --iterations 4096 --resume\n  \
     neumann render lamps -o l.exr --integrator bdpt --techniques pyramid\n  \
     neumann render room.gltf -o part2.exr --first-iteration 1024 --iterations 1024 --threads 8\n  \
+    neumann render cornell -o shard3.exr --iterations 4096 --shard 3/8\n  \
     neumann render cornell -o c.exr --eye 0,1,4 --target 0,1,0 --fov 35 --set roulette=off --json"
 )]
 pub(crate) struct RenderArguments {
@@ -247,7 +249,7 @@ pub(crate) struct InfoArguments {
 #[derive(Debug, Args)]
 #[command(
     after_help = "The renders must be of the same scene with the same settings and seed, and have no iteration in \
-    common.\n\n\
+    common. The result equals one render of all iterations but for rounding, a few millionths.\n\n\
     Examples:\n  \
     neumann render cornell -o a.exr --iterations 64\n  \
     neumann render cornell -o b.exr --iterations 64 --first-iteration 64\n  \
@@ -302,7 +304,7 @@ mod tests {
     #[test]
     fn options_read_as_the_design_writes_them() {
         let line = "neumann render cornell -o a.exr -o a.png --integrator pt-nee --iterations 8 --first-iteration 4 \
-            --size 64x48 --camera 0 --eye -1,2,3.5 --target 0,0,0 --up 0,1,0 --fov 40 --aperture 0.1 --focus 3 \
+            --shard 1/2 --checkpoint 30 --size 64x48 --camera 0 --eye -1,2,3.5 --target 0,0,0 --up 0,1,0 --fov 40 --aperture 0.1 --focus 3 \
             --max-bounces 5 --layers 4 --seed 7 --threads 2 --set a=1 --set b=on --exposure -1.5 --tone agx --resume \
             --allow-outside --env sky.hdr --env-intensity 2 --env-rotation -90 --json";
         let cli = Cli::try_parse_from(line.split_whitespace()).unwrap();
@@ -338,6 +340,8 @@ mod tests {
             "render cornell -o a.exr --first-iteration -1",
             "render cornell -o a.exr --seed -1",
             "render cornell -o a.exr --exposure 1e30",
+            "render cornell -o a.exr --shard 0/4",
+            "render cornell -o a.exr --checkpoint -1",
             "render cornell -o a.exr --eye 1,2",
             "render cornell -o a.exr --fov 190",
             "render cornell -o a.exr --integrator magic",

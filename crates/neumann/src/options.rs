@@ -21,6 +21,7 @@ use neumann_picture::tone::{Display, ToneCurve};
 use crate::console;
 use crate::failure::{OrBadInput, Outcome, bad_input};
 use crate::progress::while_waiting;
+use crate::session::Shard;
 use crate::suggest::check_scene;
 
 pub(crate) use parse::{bytes, positive, size, whole};
@@ -133,7 +134,7 @@ pub(crate) struct GoalOptions {
     /// Number of iterations of the picture
     #[arg(long, value_name = "N", value_parser = parse::whole(1..=u32::MAX), allow_hyphen_values = true)]
     pub(crate) iterations: Option<u32>,
-    /// Time of rendering
+    /// Time of rendering; an iteration that would end later is not begun, but for the first
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     pub(crate) time: Option<f64>,
     /// Estimated relative error of the picture, such as 0.01
@@ -142,6 +143,13 @@ pub(crate) struct GoalOptions {
     /// Number of the first iteration; renders with different ones can be merged
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse::whole(0..=u32::MAX), allow_hyphen_values = true)]
     pub(crate) first_iteration: u32,
+    /// Render part I (from 1 on) of N equal parts of the iterations; 'neumann merge' joins the parts
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+    /// Save the .exr so often while rendering, so that a kill loses no more; 0 for never
+    /// [default: 60, or longer, so that saving takes no more than a twentieth of the time]
+    #[arg(long, value_name = "SECONDS", value_parser = parse::not_negative_double, allow_hyphen_values = true)]
+    pub(crate) checkpoint: Option<f64>,
 }
 
 impl DisplayOptions {

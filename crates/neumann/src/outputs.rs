@@ -81,13 +81,13 @@ pub(crate) fn check_space(paths: &[PathBuf], film: &RenderSettings) -> Outcome {
     Ok(())
 }
 
-/// The file that a render can be resumed from.
-pub(crate) fn checkpoint(paths: &[PathBuf]) -> Outcome<&Path> {
+/// The file that a render can be resumed from, which `option` needs.
+pub(crate) fn checkpoint<'p>(option: &str, paths: &'p [PathBuf]) -> Outcome<&'p Path> {
     paths
         .iter()
         .find(|path| matches!(kind(path), Ok(Kind::Exr)))
         .map(PathBuf::as_path)
-        .ok_or_else(|| bad_input("--resume: needs an .exr output to go on from; add one with -o"))
+        .ok_or_else(|| bad_input(format!("{option}: needs an .exr output; add one with -o")))
 }
 
 /// A film on its way to files.
@@ -167,8 +167,8 @@ mod tests {
         let folder = std::env::temp_dir();
         let paths = vec![folder.join("neumann-a.png"), folder.join("neumann-a.exr")];
         check(&paths).unwrap();
-        assert_eq!(checkpoint(&paths).unwrap(), paths[1]);
-        assert!(checkpoint(&paths[..1]).is_err());
+        assert_eq!(checkpoint("--resume", &paths).unwrap(), paths[1]);
+        assert!(checkpoint("--resume", &paths[..1]).is_err());
         let twice = vec![paths[0].clone(), paths[0].clone()];
         assert!(check(&twice).unwrap_err().to_string().contains("twice"));
         let spelt = vec![paths[0].clone(), folder.join("./neumann-a.png")];

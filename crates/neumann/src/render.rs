@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use neumann_core::film::TechniqueFilm;
-use neumann_picture::exr_file::{Precision, write_techniques_exr};
+use neumann_core::film::{Features, Film, TechniqueFilm};
+use neumann_picture::exr_file::{Metadata, Precision, write_techniques_exr};
 use neumann_picture::png_file::write_png;
 use neumann_picture::sheet::{SheetInfo, technique_sheet};
 use neumann_picture::tone::Display;
@@ -17,9 +17,10 @@ use crate::interrupt;
 use crate::outputs::{self, Picture};
 use crate::progress::duration;
 use crate::series::make_folder;
-use crate::session::{Goal, Rendered, Session, peak_bytes};
+use crate::session::{Goal, Rendered, Saver, Session, peak_bytes};
 
 pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
+    let goal = Goal::of(&arguments.goal)?;
     outputs::check(&arguments.outputs)?;
     let mut outputs = arguments.outputs.clone();
     if let Some(folder) = &arguments.techniques {
@@ -35,8 +36,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         scene,
         settings,
         pool: arguments.settings.pool()?,
-        goal: Goal::of(&arguments.goal),
-        first_iteration: arguments.goal.first_iteration,
+        goal,
         technique_divisor: arguments
             .techniques
             .is_some()
@@ -44,23 +44,29 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
     };
     session.check()?;
     let before = if arguments.resume {
-        session.checkpoint(outputs::checkpoint(&arguments.outputs)?)?
+        session.checkpoint(outputs::checkpoint("--resume", &arguments.outputs)?)?
     } else {
         None
     };
-    let rendered = session.render(before, &interrupt::token());
-    refuse_empty(&rendered)?;
-    let picture = Picture {
-        film: &rendered.film,
-        features: Some(&rendered.features),
-        metadata: &rendered.metadata,
-        display: arguments.display.display(),
-        precision: if arguments.half {
-            Precision::Half
-        } else {
-            Precision::Full
-        },
+    // Asked for, a checkpoint needs an .exr; by itself it goes where there is one.
+    let checkpoint = outputs::checkpoint("--checkpoint", &arguments.outputs);
+    let checkpoint = match arguments.goal.checkpoint {
+        Some(seconds) if seconds > 0.0 => Some(checkpoint?),
+        _ => checkpoint.ok(),
     };
+    let write = |film: &Film, features: &Features, metadata: &Metadata| match checkpoint {
+        Some(path) => picture(arguments, film, features, metadata).write(path),
+        None => Ok(()),
+    };
+    let saver = checkpoint.map(|_| Saver::new(arguments.goal.checkpoint, &write));
+    let rendered = session.render(before, saver, &interrupt::token());
+    refuse_empty(&rendered)?;
+    let picture = picture(
+        arguments,
+        &rendered.film,
+        &rendered.features,
+        &rendered.metadata,
+    );
     picture.write_all(&arguments.outputs)?;
     if let (Some(folder), Some(film)) = (&arguments.techniques, &rendered.techniques) {
         write_techniques(folder, film, &rendered, arguments.display.display())?;
@@ -75,6 +81,26 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
 /// Files in the folder of techniques.
 const TECHNIQUES_EXR: &str = "techniques.exr";
 const TECHNIQUES_PNG: &str = "techniques.png";
+
+/// A film as it is to be written.
+fn picture<'a>(
+    arguments: &RenderArguments,
+    film: &'a Film,
+    features: &'a Features,
+    metadata: &'a Metadata,
+) -> Picture<'a> {
+    Picture {
+        film,
+        features: Some(features),
+        metadata,
+        display: arguments.display.display(),
+        precision: if arguments.half {
+            Precision::Half
+        } else {
+            Precision::Full
+        },
+    }
+}
 
 /// Writes the pyramid of techniques.
 fn write_techniques(

@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use neumann_core::film::{Film, View};
+use neumann_core::film::{Features, Film, View};
 use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
-use neumann_picture::exr_file::{Precision, write_image_exr};
+use neumann_picture::exr_file::{Metadata, Precision, write_image_exr};
 use neumann_picture::files::check_destination;
 use neumann_picture::png_file::{Pixels8, write_png};
 use neumann_picture::sheet::{SheetInfo, sheet};
@@ -18,9 +18,10 @@ use crate::failure::{OrBadInput, Outcome, bad_input};
 use crate::interrupt;
 use crate::outputs::{self, Picture};
 use crate::render::{completeness, refuse_empty, report, summary};
-use crate::session::{Goal, Rendered, Session};
+use crate::session::{Goal, Rendered, Saver, Session};
 
 pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
+    let goal = Goal::of(&arguments.goal)?;
     make_folder(&arguments.folder)?;
     let (scene, settings) = arguments.settings.resolve(&arguments.scene)?;
     let outputs = names(settings.n_layers, settings.max_bounces)
@@ -35,19 +36,31 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
         scene,
         settings,
         pool: arguments.settings.pool()?,
-        goal: Goal::of(&arguments.goal),
-        first_iteration: arguments.goal.first_iteration,
+        goal,
         technique_divisor: None,
     };
     session.check()?;
+    let checkpoint = arguments.folder.join(CHECKPOINT);
     let before = if arguments.resume {
-        session.checkpoint(&arguments.folder.join(CHECKPOINT))?
+        session.checkpoint(&checkpoint)?
     } else {
         None
     };
-    let rendered = session.render(before, &interrupt::token());
+    let display = arguments.display.display();
+    let write_checkpoint = |film: &Film, features: &Features, metadata: &Metadata| {
+        let picture = Picture {
+            film,
+            features: Some(features),
+            metadata,
+            display,
+            precision: Precision::Full,
+        };
+        picture.write(&checkpoint)
+    };
+    let saver = Saver::new(arguments.goal.checkpoint, &write_checkpoint);
+    let rendered = session.render(before, Some(saver), &interrupt::token());
     refuse_empty(&rendered)?;
-    let outputs = write(&arguments.folder, &rendered, arguments.display.display())?;
+    let outputs = write(&arguments.folder, &rendered, display)?;
     console::note(&summary(&rendered));
     if arguments.json {
         let mut value = report(&rendered, &outputs);

@@ -2,12 +2,14 @@
 
 mod memory;
 mod resume;
+mod saver;
+mod shard;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use neumann_core::film::{Features, Film, PhotonReport, TechniqueFilm};
-use neumann_core::render::{CancelToken, RenderSettings, Renderer, WorkerPool};
+use neumann_core::render::{CancelToken, IterationTimes, RenderSettings, Renderer, WorkerPool};
 use neumann_core::scene::Scene;
 use neumann_picture::exr_file::{Checkpoint, IterationRanges, Metadata};
 
@@ -18,13 +20,17 @@ use crate::progress::{Progress, Standing};
 #[cfg(feature = "window")]
 pub(crate) use memory::check_film;
 pub(crate) use memory::peak_bytes;
+pub(crate) use saver::Saver;
+pub(crate) use shard::Shard;
 
-/// When rendering is done: at the first of these that is met.
+/// Where rendering begins, and when it is done: at the first of these that is met.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Goal {
+    /// Number of the first iteration.
+    pub(crate) first_iteration: u32,
     /// Iterations of the film.
     pub(crate) iterations: Option<u32>,
-    /// Time spent on the film, seconds.
+    /// Time spent on the film, seconds; an iteration that would end later is not begun.
     pub(crate) seconds: Option<f64>,
     /// Estimated relative error of the film.
     pub(crate) error: Option<f64>,
@@ -36,19 +42,52 @@ const DEFAULT_ITERATIONS: u32 = 64;
 const FEWEST_FOR_ERROR: u32 = 8;
 
 impl Goal {
-    pub(crate) fn of(options: &GoalOptions) -> Self {
+    /// What was asked for.
+    ///
+    /// # Errors
+    /// If iterations have numbers that are too large, or cannot be shared out.
+    pub(crate) fn of(options: &GoalOptions) -> Outcome<Self> {
         let is_open =
             options.iterations.is_none() && options.time.is_none() && options.until_error.is_none();
-        Self {
+        let whole = Self {
+            first_iteration: options.first_iteration,
             iterations: options.iterations.or(is_open.then_some(DEFAULT_ITERATIONS)),
             seconds: options.time,
             error: options.until_error,
+        };
+        let n = whole.iterations.unwrap_or(1);
+        let Some(end) = whole.first_iteration.checked_add(n) else {
+            return Err(bad_input(
+                "--first-iteration: too large for that many iterations; numbers go up to 4294967295",
+            ));
+        };
+        let Some(shard) = options.shard else {
+            return Ok(whole);
+        };
+        if whole.iterations.is_none() || whole.error.is_some() {
+            return Err(bad_input(format!(
+                "--shard {shard}: only a known number of iterations can be shared out; \
+                 give --iterations, and leave --until-error away"
+            )));
         }
+        let part = shard.part_of(whole.first_iteration..end);
+        if part.is_empty() {
+            return Err(bad_input(format!(
+                "--shard {shard}: no iteration is left for this part of {n}; use at most {n} parts"
+            )));
+        }
+        Ok(Self {
+            first_iteration: part.start,
+            iterations: Some(part.end - part.start),
+            ..whole
+        })
     }
 
-    fn is_met(&self, standing: Standing) -> bool {
+    /// Whether no other iteration is to be begun, if it is expected to take so many seconds.
+    fn is_met(&self, standing: Standing, next: f64) -> bool {
+        let is_late = |s: f64| standing.n_iterations > 0 && standing.seconds + next > s;
         self.iterations.is_some_and(|n| standing.n_iterations >= n)
-            || self.seconds.is_some_and(|s| standing.seconds >= s)
+            || self.seconds.is_some_and(is_late)
             || self.error.is_some_and(|wanted| {
                 standing.n_iterations >= FEWEST_FOR_ERROR
                     && standing.error.is_some_and(|error| error <= wanted)
@@ -80,8 +119,6 @@ pub(crate) struct Session {
     pub(crate) settings: RenderSettings,
     pub(crate) pool: WorkerPool,
     pub(crate) goal: Goal,
-    /// Number of the first iteration.
-    pub(crate) first_iteration: u32,
     /// How many times smaller techniques are kept apart, if they are.
     pub(crate) technique_divisor: Option<usize>,
 }
@@ -103,20 +140,19 @@ pub(crate) struct Rendered {
 }
 
 impl Session {
-    /// Checks that there is memory enough, and iteration numbers.
+    /// Checks that there is memory enough.
     pub(crate) fn check(&self) -> Outcome {
-        memory::check(&self.settings)?;
-        let n = self.goal.iterations.unwrap_or(1);
-        if self.first_iteration.checked_add(n).is_none() {
-            return Err(bad_input(
-                "--first-iteration: too large for that many iterations; numbers go up to 4294967295",
-            ));
-        }
-        Ok(())
+        memory::check(&self.settings)
     }
 
-    /// Renders from the checkpoint, if there is one, until the goal is met or the token cancelled.
-    pub(crate) fn render(&self, before: Option<Checkpoint>, cancel: &CancelToken) -> Rendered {
+    /// Renders from the checkpoint, if there is one, until the goal is met or the token cancelled;
+    /// saves meanwhile, if it is said how.
+    pub(crate) fn render(
+        &self,
+        before: Option<Checkpoint>,
+        mut saver: Option<Saver<'_>>,
+        cancel: &CancelToken,
+    ) -> Rendered {
         let s = &self.settings;
         let (mut film, mut metadata, mut next) = match before {
             Some(checkpoint) => {
@@ -126,13 +162,22 @@ impl Session {
             None => (
                 Film::new(s.width, s.height, s.n_layers),
                 Metadata::of(&self.scene, s),
-                self.first_iteration,
+                self.goal.first_iteration,
             ),
         };
         let mut renderer =
             Renderer::new(Arc::clone(&self.scene), s.clone(), self.pool.clone(), next);
         renderer.record_techniques(self.technique_divisor);
+        let mut features = None;
+        let trace_features = || {
+            let trace = || Features::trace(&self.scene, &s.camera, s.width, s.height);
+            self.pool.run(trace)
+        };
         let mut photons = None;
+        let mut times = IterationTimes::default();
+        if film.n_iterations() > 0 {
+            times.take(metadata.seconds / f64::from(film.n_iterations()));
+        }
         let mut progress = Progress::new(self.goal);
         let (mut n_samples, mut n_rays, mut seconds_here) = (0u64, 0u64, 0.0);
         let is_complete = loop {
@@ -143,12 +188,20 @@ impl Session {
                     .then(|| self.pool.run(|| film.estimated_error())),
             };
             progress.update(standing);
-            if self.goal.is_met(standing) {
+            if self.goal.is_met(standing, times.expected()) {
                 break true;
             }
             let Some(after) = next.checked_add(1) else {
                 break true;
             };
+            if let Some(saver) = &mut saver
+                && film.n_iterations() > 0
+                && saver.is_due(times.expected())
+            {
+                metadata.n_refused = film.n_refused();
+                let features = features.get_or_insert_with(trace_features);
+                saver.save(&film, features, &metadata);
+            }
             let start = Instant::now();
             let Ok(iteration) = renderer.iterate_after(&film, cancel) else {
                 break false;
@@ -159,6 +212,7 @@ impl Session {
             self.pool.run(|| iteration.add_to(&mut film));
             let seconds = start.elapsed().as_secs_f64();
             seconds_here += seconds;
+            times.take(seconds);
             metadata.seconds += seconds;
             let done = IterationRanges::of(next..after);
             metadata.iterations = metadata.iterations.union(&done);
@@ -169,9 +223,7 @@ impl Session {
         let techniques = renderer.techniques().cloned();
         // Its memory goes before more is wanted.
         drop(renderer);
-        let features = self
-            .pool
-            .run(|| Features::trace(&self.scene, &s.camera, s.width, s.height));
+        let features = features.unwrap_or_else(trace_features);
         let per_second = |n: u64| (seconds_here > 0.0).then(|| n as f64 / seconds_here);
         Rendered {
             film,
@@ -202,25 +254,69 @@ mod tests {
 
     #[test]
     fn the_first_goal_that_is_met_counts() {
-        let open = Goal::of(&GoalOptions::default());
-        assert!(!open.is_met(standing(63, 1e9, None)) && open.is_met(standing(64, 0.0, None)));
+        let open = Goal::of(&GoalOptions::default()).unwrap();
+        assert!(!open.is_met(standing(63, 1e9, None), 0.0));
+        assert!(open.is_met(standing(64, 0.0, None), 0.0));
         let goal = Goal::of(&GoalOptions {
             time: Some(2.0),
             until_error: Some(0.01),
             ..GoalOptions::default()
-        });
-        assert!(!goal.is_met(standing(1000, 1.9, Some(0.02))));
-        assert!(goal.is_met(standing(1, 2.0, None)));
-        assert!(goal.is_met(standing(100, 0.1, Some(0.009))));
+        })
+        .unwrap();
+        assert!(!goal.is_met(standing(1000, 1.9, Some(0.02)), 0.1));
+        assert!(goal.is_met(standing(1, 2.1, None), 0.1));
+        assert!(goal.is_met(standing(100, 0.1, Some(0.009)), 0.1));
         assert!(
-            !goal.is_met(standing(2, 0.1, Some(0.009))),
+            !goal.is_met(standing(2, 0.1, Some(0.009)), 0.1),
             "two say too little"
         );
     }
 
     #[test]
+    fn an_iteration_that_would_end_too_late_is_not_begun() {
+        let goal = Goal {
+            first_iteration: 0,
+            iterations: None,
+            seconds: Some(20.0),
+            error: None,
+        };
+        assert!(
+            !goal.is_met(standing(0, 0.0, None), 60.0),
+            "the first one is"
+        );
+        assert!(!goal.is_met(standing(2, 12.0, None), 6.0));
+        assert!(goal.is_met(standing(3, 18.0, None), 6.0));
+    }
+
+    #[test]
+    fn shards_share_out_a_known_number_of_iterations() {
+        let options = |iterations, time, until_error| GoalOptions {
+            iterations,
+            time,
+            until_error,
+            first_iteration: 100,
+            shard: Some("2/3".parse().unwrap()),
+            ..GoalOptions::default()
+        };
+        let goal = Goal::of(&options(Some(30), Some(5.0), None)).unwrap();
+        assert_eq!((goal.first_iteration, goal.iterations), (110, Some(10)));
+        let by_default = Goal::of(&options(None, None, None)).unwrap();
+        assert_eq!(by_default.first_iteration, 121);
+        assert_eq!(by_default.iterations, Some(21));
+        for (iterations, time, error, expected) in [
+            (None, Some(5.0), None, "--iterations"),
+            (Some(30), None, Some(0.1), "--until-error"),
+            (Some(1), None, None, "at most 1 parts"),
+        ] {
+            let error = Goal::of(&options(iterations, time, error)).unwrap_err();
+            assert!(error.to_string().contains(expected), "{error}");
+        }
+    }
+
+    #[test]
     fn parts_follow_the_nearest_goal() {
         let goal = Goal {
+            first_iteration: 0,
             iterations: Some(100),
             seconds: Some(10.0),
             error: Some(0.01),

@@ -41,12 +41,11 @@ fn render(scene: &str) -> Outcome {
         scene,
         settings,
         pool: options.pool()?,
-        goal: Goal::of(&GoalOptions::default()),
-        first_iteration: 0,
+        goal: Goal::of(&GoalOptions::default())?,
         technique_divisor: None,
     };
     session.check()?;
-    let rendered = session.render(None, &interrupt::token());
+    let rendered = session.render(None, None, &interrupt::token());
     refuse_empty(&rendered)?;
     let outputs = series::write(folder, &rendered, Display::default())?;
     console::note(&summary(&rendered));

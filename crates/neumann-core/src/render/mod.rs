@@ -6,6 +6,7 @@
 
 mod cancel;
 mod coverage;
+mod iteration_times;
 mod light_paths;
 mod pass;
 mod pixels;
@@ -17,6 +18,7 @@ mod settings;
 mod sink;
 
 pub use cancel::{CancelToken, Cancelled};
+pub use iteration_times::IterationTimes;
 pub use light_paths::{Collected, LightNumbers, LightPaths};
 pub use pass::Pass;
 pub use pixels::{PixelPath, PixelSample, Pixels, Splits};

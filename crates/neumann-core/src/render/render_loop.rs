@@ -11,7 +11,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, RwLock, RwLockRead
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::{CancelToken, RenderSettings, Renderer, WorkerPool};
+use super::{CancelToken, IterationTimes, RenderSettings, Renderer, WorkerPool};
 use crate::film::{Film, PhotonReport, TechniqueFilm};
 use crate::integrator::Method;
 use crate::radiometry::Rgb;
@@ -36,7 +36,8 @@ pub enum StopRule {
     Never,
     /// After so many iterations at full resolution.
     Iterations(u32),
-    /// After so much time of rendering, seconds.
+    /// Before an iteration that would end after so much time of rendering, seconds; after the
+    /// first one at the earliest.
     Seconds(f64),
 }
 
@@ -324,6 +325,8 @@ struct Climb {
     divisor: usize,
     n_iterations: u32,
     seconds: f64,
+    /// Of iterations of this rung.
+    times: IterationTimes,
 }
 
 fn run(shared: &Shared, pool: &WorkerPool) {
@@ -334,6 +337,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         divisor: 1,
         n_iterations: 0,
         seconds: 0.0,
+        times: IterationTimes::default(),
     };
     let mut pace: Option<Pace> = None;
     let mut summarised: Option<Instant> = None;
@@ -387,7 +391,9 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             });
         });
         climb.n_iterations += 1;
-        climb.seconds += start.elapsed().as_secs_f64();
+        let seconds_with_film = start.elapsed().as_secs_f64();
+        climb.seconds += seconds_with_film;
+        climb.times.take(seconds_with_film);
         let is_done = divisor == 1 && climb.is_done(task.job.stop);
         let is_due = summarised.is_none_or(|t| t.elapsed() >= SUMMARY_PERIOD) || is_done;
         let summary = is_due.then(|| {
@@ -437,6 +443,7 @@ impl Climb {
             renderer: None,
             n_iterations: 0,
             seconds: 0.0,
+            times: IterationTimes::default(),
         }
     }
 
@@ -456,6 +463,7 @@ impl Climb {
         self.divisor = self.rungs.pop().unwrap_or(1);
         self.renderer = None;
         self.n_iterations = 0;
+        self.times = IterationTimes::default();
     }
 
     fn is_done(&self, stop: StopRule) -> bool {
@@ -465,7 +473,9 @@ impl Climb {
         match stop {
             StopRule::Never => false,
             StopRule::Iterations(n) => self.n_iterations >= n,
-            StopRule::Seconds(s) => self.seconds >= s,
+            StopRule::Seconds(s) => {
+                self.n_iterations > 0 && self.seconds + self.times.expected() > s
+            }
         }
     }
 }
@@ -548,5 +558,29 @@ impl Thumbnail {
             height: h,
             pixels,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Climb, IterationTimes, StopRule};
+
+    #[test]
+    fn an_iteration_that_would_end_too_late_is_not_begun() {
+        let mut climb = Climb {
+            generation: 1,
+            rungs: Vec::new(),
+            renderer: None,
+            divisor: 1,
+            n_iterations: 0,
+            seconds: 30.0,
+            times: IterationTimes::default(),
+        };
+        assert!(!climb.is_done(StopRule::Seconds(20.0)), "the first one is");
+        climb.n_iterations = 2;
+        climb.seconds = 12.0;
+        climb.times.take(6.0);
+        assert!(!climb.is_done(StopRule::Seconds(20.0)));
+        assert!(climb.is_done(StopRule::Seconds(17.0)));
     }
 }

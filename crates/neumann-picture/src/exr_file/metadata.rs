@@ -146,12 +146,23 @@ impl Metadata {
                 Ok((parameter_name(name), value.to_owned()))
             })
             .collect::<Result<_, &'static str>>()?;
+        let iterations: IterationRanges = string("iterationRanges")?
+            .parse()
+            .map_err(|_| "iterationRanges")?;
+        // Three entries say the same, the counts as far as they can.
+        let is_count = |name: &'static str, n: u32| -> Result<bool, &'static str> {
+            Ok(count(name)? == n.min(i32::MAX as u32))
+        };
+        if !is_count("iterations", iterations.count())? {
+            return Err("iterations");
+        }
+        if !is_count("firstIteration", iterations.first())? {
+            return Err("firstIteration");
+        }
         Ok(Self {
             integrator: string("integrator")?,
             parameters,
-            iterations: string("iterationRanges")?
-                .parse()
-                .map_err(|_| "iterationRanges")?,
+            iterations,
             seconds,
             seed: number("seed")?,
             scene: string("scene")?,
@@ -224,7 +235,7 @@ pub fn appearance_text(appearance: &Appearance) -> String {
 }
 
 /// FNV-1a, a word at a time.
-fn fnv1a(words: impl Iterator<Item = u32>) -> u64 {
+pub(super) fn fnv1a(words: impl Iterator<Item = u32>) -> u64 {
     words.fold(0xcbf2_9ce4_8422_2325, |hash, word| {
         (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3)
     })

@@ -110,9 +110,11 @@ impl FromStr for IterationRanges {
             let end = last.checked_add(1)?;
             (first < end).then_some(first..end)
         };
-        let ranges: Option<Vec<_>> = text.split(',').map(parse).collect();
+        let ranges: Option<Vec<Range<u32>>> = text.split(',').map(parse).collect();
+        let is_ordered = |r: &Vec<Range<u32>>| r.windows(2).all(|pair| pair[0].end < pair[1].start);
         ranges
-            .map(Self::sorted)
+            .filter(is_ordered)
+            .map(Self)
             .ok_or_else(|| RangesError(text.to_owned()))
     }
 }
@@ -146,7 +148,17 @@ mod tests {
             let ranges: IterationRanges = text.parse().unwrap();
             assert_eq!(ranges.to_string(), text);
         }
-        for text in ["", "5", "9-3", "-4", "0-4294967295", "a-b"] {
+        for text in [
+            "",
+            "5",
+            "9-3",
+            "-4",
+            "0-4294967295",
+            "a-b",
+            "0-7,4-9",
+            "8-9,0-3",
+            "0-7,8-9",
+        ] {
             assert!(text.parse::<IterationRanges>().is_err(), "{text}");
         }
     }

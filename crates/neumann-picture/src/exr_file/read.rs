@@ -18,8 +18,8 @@ use neumann_core::film::{Features, Film};
 use neumann_core::memory::Share;
 use neumann_core::radiometry::Rgb;
 
-use super::Metadata;
 use super::planes::{floats, interleave};
+use super::{Metadata, checksum};
 use crate::image_file::open_regular;
 use crate::{Image, PictureError};
 
@@ -48,10 +48,22 @@ pub fn read_exr(path: &Path) -> Result<Checkpoint, PictureError> {
     };
     let metadata = Metadata::take(&raw.attributes)
         .map_err(|name| odd(&format!("its header has no proper entry 'neumann.{name}'")))?;
+    if metadata.iterations.count() == 0 {
+        return Err(odd("it has no iterations"));
+    }
     if !raw.is_full_precision {
         return Err(odd(
             "it has half floats, which are too coarse to go on from",
         ));
+    }
+    checksum::verify(&raw.attributes, &raw.planes).map_err(|what| {
+        let remedy = "the file is damaged; use a copy of it, or render it again";
+        PictureError::content(path, format!("{what}: {remedy}"))
+    })?;
+    if let Some(name) = impossible_plane(&raw.planes) {
+        return Err(odd(&format!(
+            "its channel '{name}' has values that no film has (not finite, or negative)"
+        )));
     }
     let mut layers = Vec::new();
     while let Some(layer) = raw.take_rgb(&format!("T{}", layers.len())) {
@@ -78,6 +90,20 @@ pub fn read_exr(path: &Path) -> Result<Checkpoint, PictureError> {
         features,
         metadata,
     })
+}
+
+/// The first channel with a value that nothing measured can be.
+fn impossible_plane(planes: &BTreeMap<String, Vec<f32>>) -> Option<&str> {
+    let is_possible = |name: &str, value: f32| match name {
+        // What the camera does not see anything at is infinitely far away.
+        "depth.Z" => value >= 0.0,
+        "normal.X" | "normal.Y" | "normal.Z" => value.is_finite(),
+        _ => value.is_finite() && value >= 0.0,
+    };
+    planes
+        .iter()
+        .find(|(name, values)| values.iter().any(|v| !is_possible(name, *v)))
+        .map(|(name, _)| name.as_str())
 }
 
 /// Reads the pictures of any OpenEXR file: the main one, and layers by name.

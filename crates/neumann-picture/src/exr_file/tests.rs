@@ -173,6 +173,102 @@ fn broken_files_are_refused_and_never_panic() {
     assert!(n_refused > 100, "{n_refused}");
 }
 
+/// Changes bytes of a file behind a name in its header.
+fn edit(bytes: &mut [u8], name: &str, old: &[u8], new: &[u8]) {
+    let at = bytes
+        .windows(name.len())
+        .position(|w| w == name.as_bytes())
+        .unwrap();
+    let offset = bytes[at..]
+        .windows(old.len())
+        .position(|w| w == old)
+        .unwrap();
+    bytes[at + offset..at + offset + new.len()].copy_from_slice(new);
+}
+
+#[test]
+fn impossible_values_are_refused() {
+    let folder = TestFolder::new();
+    let path = folder.join("a.exr");
+    let n = SIZE.0 * SIZE.1;
+    for value in [f32::NAN, f32::INFINITY, -1e-3] {
+        let mut layers: Vec<_> = (0..4).map(|k| noise(n, k)).collect();
+        layers[2][17].g = value;
+        let film = Film::from_parts(SIZE, 16, layers, noise(n, 100), &noise(n, 101), 3).unwrap();
+        write_exr(&path, &film, None, &metadata()).unwrap();
+        let error = read_exr(&path).unwrap_err().to_string();
+        assert!(
+            error.contains("a.exr") && error.contains("'T2.G'"),
+            "{error}"
+        );
+    }
+    let mut odd = features();
+    odd.normal[3].y = f32::NAN;
+    write_exr(&path, &film(), Some(&odd), &metadata()).unwrap();
+    let error = read_exr(&path).unwrap_err().to_string();
+    assert!(error.contains("'normal.Y'"), "{error}");
+}
+
+#[test]
+fn damage_is_found_wherever_it_is() {
+    let folder = TestFolder::new();
+    let path = folder.join("a.exr");
+    write_exr(&path, &film(), None, &metadata()).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    let seed = u64::MAX.to_string();
+    let other = seed.replace('8', "7");
+    let cases: [(&str, &[u8], &[u8], &str); 4] = [
+        (
+            "neumann.seed",
+            seed.as_bytes(),
+            other.as_bytes(),
+            "its header",
+        ),
+        ("neumann.checksums", b"T1.G=", b"T1.H=", "'T1.H' is missing"),
+        (
+            "neumann.iterationRanges",
+            b"0-7,",
+            b"0-9,",
+            "'neumann.iterations'",
+        ),
+        (
+            "neumann.iterations\0",
+            &[16, 0, 0, 0],
+            &[17, 0, 0, 0],
+            "'neumann.iterations'",
+        ),
+    ];
+    for (name, old, new, expected) in cases {
+        let mut bytes = whole.clone();
+        edit(&mut bytes, name, old, new);
+        std::fs::write(&path, &bytes).unwrap();
+        let error = read_exr(&path).unwrap_err().to_string();
+        assert!(
+            error.contains("a.exr") && error.contains(expected),
+            "{error}"
+        );
+    }
+    // The last block is compressed, so that a changed byte changes pixels, or cannot be unpacked.
+    for back in 20..60 {
+        let mut bytes = whole.clone();
+        let at = bytes.len() - back;
+        bytes[at] ^= 4;
+        std::fs::write(&path, &bytes).unwrap();
+        assert!(read_exr(&path).is_err(), "{back}");
+    }
+}
+
+#[test]
+fn files_without_checksums_are_taken_as_they_are() {
+    let folder = TestFolder::new();
+    let path = folder.join("a.exr");
+    write_exr(&path, &film(), None, &metadata()).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    edit(&mut bytes, "neumann.checksums", b"checksums", b"something");
+    std::fs::write(&path, &bytes).unwrap();
+    assert_eq!(read_exr(&path).unwrap().film.total(), film().total());
+}
+
 #[test]
 fn a_header_that_promises_too_much_is_refused_early() {
     let folder = TestFolder::new();

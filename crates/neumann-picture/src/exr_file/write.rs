@@ -10,9 +10,9 @@ use exr::prelude::Compression;
 use neumann_core::film::{Features, Film, Joint, TechniqueFilm, TechniqueImage};
 use neumann_core::radiometry::Rgb;
 
-use super::Metadata;
 use super::metadata::{PREFIX, text, text_of};
 use super::planes::Planes;
+use super::{Metadata, checksum};
 use crate::PictureError;
 use crate::files::write_atomically;
 
@@ -81,6 +81,7 @@ pub fn write_exr_as(
     }
     let mut attributes = LayerAttributes::default();
     metadata.put(&mut attributes);
+    checksum::put(&mut attributes, &planes.list);
     let clamped = planes.clamped;
     write(path, (film.width(), film.height()), planes, attributes)?;
     Ok(clamped)

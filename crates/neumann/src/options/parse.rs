@@ -98,6 +98,11 @@ pub(super) fn positive_single(text: &str) -> Result<f32, String> {
     number(text, "use a number above 0", |v| v > 0.0)
 }
 
+/// Zero or more, double precision.
+pub(super) fn not_negative_double(text: &str) -> Result<f64, String> {
+    number(text, "use a number from 0 on", |v| v >= 0.0)
+}
+
 /// Zero or more.
 pub(super) fn not_negative(text: &str) -> Result<f32, String> {
     number(text, "use a number from 0 on", |v| v >= 0.0)

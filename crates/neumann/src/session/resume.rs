@@ -37,7 +37,7 @@ impl Session {
         if iterations.count() > 0 {
             add(
                 "first-iteration",
-                self.first_iteration.to_string(),
+                self.goal.first_iteration.to_string(),
                 iterations.first().to_string(),
             );
         }

@@ -58,9 +58,7 @@ fn jumble(n: usize, random: &mut Random) -> Vec<Light> {
                     let corners = [corner(random), corner(random), corner(random)];
                     let both_sides = i % 4 == 0;
                     let emission = Emission::Uniform(value);
-                    Light::Area(AreaLight::new(
-                        i as u32, corners, emission, both_sides, 1e-6,
-                    ))
+                    Light::Area(AreaLight::new(i as u32, corners, emission, both_sides))
                 }
             }
         })

@@ -16,4 +16,5 @@ mod sampling;
 mod scenes;
 mod series;
 mod techniques;
+mod touching;
 mod weights;

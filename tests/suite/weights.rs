@@ -185,7 +185,7 @@ impl Path {
         let d2 = |i: usize| square(self.distances[i]) as f32;
         let start = Start {
             position: glam::Vec3::ZERO,
-            error: 0.0,
+            triangle: neumann_core::math::ray::NO_TRIANGLE,
             ng: self.aim.wi,
             direction: -self.aim.wi,
             value: self.aim.value,

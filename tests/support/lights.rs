@@ -75,7 +75,7 @@ pub fn textured() -> Emission {
 /// An emissive triangle.
 #[must_use]
 pub fn area_light(emission: Emission, is_double_sided: bool) -> AreaLight {
-    AreaLight::new(0, CORNERS, emission, is_double_sided, 1e-6)
+    AreaLight::new(0, CORNERS, emission, is_double_sided)
 }
 
 /// A map with bright and dark texels side by side, turned by a whole number of columns.

@@ -8,23 +8,41 @@
 use glam::Vec3;
 
 use super::Hit;
-use super::traverse::{AXES, BoxHits, FAR_PADDING, Prepared};
+use super::traverse::{AXES, BoxHits, FAR_PADDING, Prepared, slack_of_depth, slack_of_origin};
 use super::wide::{Node, WIDTH};
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of};
+use crate::math::ray::NO_TRIANGLE;
 
 /// A ray in each lane, or none.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct RayLanes {
     origin: Vec3Lanes,
     direction: Vec3Lanes,
     end: Lanes<f32>,
+    /// The triangles that they start on,
+    leaves: Lanes<u32>,
+    /// and those that they end on.
+    aims_at: Lanes<u32>,
     /// One bit for each lane that has one.
     is_there: u32,
 }
 
 /// What the rays of all lanes meet first; `None` where there is no ray, or nothing is met.
 pub(crate) type HitLanes = [Option<Hit>; LANES];
+
+impl Default for RayLanes {
+    fn default() -> Self {
+        Self {
+            origin: Vec3Lanes::default(),
+            direction: Vec3Lanes::default(),
+            end: Lanes::default(),
+            leaves: Lanes([NO_TRIANGLE; LANES]),
+            aims_at: Lanes([NO_TRIANGLE; LANES]),
+            is_there: 0,
+        }
+    }
+}
 
 impl RayLanes {
     /// Puts a ray into a lane.
@@ -33,6 +51,8 @@ impl RayLanes {
         self.origin.set(lane, ray.origin());
         self.direction.set(lane, ray.direction());
         self.end.set(lane, ray.t_max());
+        self.leaves.set(lane, ray.leaves());
+        self.aims_at.set(lane, ray.aims_at());
         self.is_there |= 1 << lane;
     }
 
@@ -44,6 +64,8 @@ impl RayLanes {
             self.direction.get(lane),
             self.end.get(lane),
         )
+        .leaving(self.leaves.get(lane))
+        .aimed_at(self.aims_at.get(lane))
     }
 
     /// The distance at which the ray of a lane ends.
@@ -58,32 +80,40 @@ impl RayLanes {
         &self.end
     }
 
+    /// Where the ray of a lane starts.
+    #[inline(always)]
+    pub(crate) fn origin(&self, lane: usize) -> Vec3 {
+        self.origin.get(lane)
+    }
+
     /// Where the ray of a lane goes.
     #[inline(always)]
     pub(crate) fn direction(&self, lane: usize) -> Vec3 {
         self.direction.get(lane)
     }
 
-    /// Gives a lane another ray with the same end, if it is to be there.
+    /// Gives a lane another ray with the same end, from a point of a triangle, if it is to be there.
     #[inline(always)]
     pub(crate) fn replace(
         &mut self,
         lane: usize,
         is_replaced: bool,
-        origin: Vec3,
+        (origin, leaves): (Vec3, u32),
         direction: Vec3,
     ) {
         self.origin.set_if(is_replaced, lane, origin);
         self.direction.set_if(is_replaced, lane, direction);
+        self.leaves.set_if(is_replaced, lane, leaves);
     }
 
-    /// Puts a segment into a lane, from a point to another one at the given distance in all three directions; not there before
-    /// [`Self::set_mask`] says so.
+    /// Puts a ray that ends into a lane; not there before [`Self::set_mask`] says so.
     #[inline(always)]
-    pub(crate) fn set_segment(&mut self, lane: usize, origin: Vec3, apart: Vec3) {
-        self.origin.set(lane, origin);
-        self.direction.set(lane, apart);
-        self.end.set(lane, 1.0);
+    pub(crate) fn set_segment(&mut self, lane: usize, segment: &Ray) {
+        self.origin.set(lane, segment.origin());
+        self.direction.set(lane, segment.direction());
+        self.end.set(lane, segment.t_max());
+        self.leaves.set(lane, segment.leaves());
+        self.aims_at.set(lane, segment.aims_at());
     }
 
     /// Puts the ray of a lane of others into a lane; not there before [`Self::set_mask`] says so.
@@ -92,6 +122,8 @@ impl RayLanes {
         self.origin.set(lane, others.origin.get(of));
         self.direction.set(lane, others.direction.get(of));
         self.end.set(lane, others.end.get(of));
+        self.leaves.set(lane, others.leaves.get(of));
+        self.aims_at.set(lane, others.aims_at.get(of));
     }
 
     /// One bit for each lane that has a ray.
@@ -125,6 +157,8 @@ pub(super) struct PreparedLanes {
     /// The axis that the ray runs along most.
     pub(super) along: Lanes<u32>,
     pub(super) shear: [Lanes<f32>; 3],
+    pub(super) slack: Lanes<f32>,
+    pub(super) ends: [Lanes<u32>; 2],
 }
 
 impl PreparedLanes {
@@ -136,6 +170,8 @@ impl PreparedLanes {
             is_negative: [Lanes::default(); 3],
             along: Lanes::default(),
             shear: [Lanes::default(); 3],
+            slack: Lanes::default(),
+            ends: [rays.leaves, rays.aims_at],
         };
         for lane in 0..LANES {
             let d = rays.direction.get(lane).to_array();
@@ -179,6 +215,8 @@ impl PreparedLanes {
             prepared.shear[0].set(lane, across[0] * scale);
             prepared.shear[1].set(lane, across[1] * scale);
             prepared.shear[2].set(lane, scale);
+            let reach = rays.origin.get(lane).abs().max_element();
+            prepared.slack.set(lane, slack_of_origin(reach, scale));
         }
         prepared
     }
@@ -194,6 +232,9 @@ impl PreparedLanes {
             near: [0, 1, 2].map(|axis| 2 * axis + is_negative[axis] % 2),
             axes: AXES[z],
             shear: [0, 1, 2].map(|axis| self.shear[axis].get(lane)),
+            slack: self.slack.get(lane),
+            slack_of_depth: slack_of_depth(self.shear[2].get(lane)),
+            ends: [0, 1].map(|end| self.ends[end].get(lane)),
         }
     }
 }

@@ -7,10 +7,11 @@
 
 use std::arch::x86_64::{
     __m128, __m256, _CMP_EQ_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NEQ_UQ, _MM_HINT_T0,
-    _mm_add_ps, _mm_and_ps, _mm_andnot_ps, _mm_cmp_ps, _mm_div_ps, _mm_load_ps, _mm_movemask_ps,
-    _mm_mul_ps, _mm_or_ps, _mm_prefetch, _mm_set1_ps, _mm_setzero_ps, _mm_store_ps, _mm_sub_ps,
-    _mm256_cmp_ps, _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
-    _mm256_set1_ps, _mm256_setzero_ps, _mm256_store_ps, _mm256_sub_ps,
+    _mm_add_ps, _mm_and_ps, _mm_andnot_ps, _mm_castsi128_ps, _mm_cmp_ps, _mm_cmpeq_epi32,
+    _mm_div_ps, _mm_load_ps, _mm_load_si128, _mm_max_ps, _mm_movemask_ps, _mm_mul_ps, _mm_or_ps,
+    _mm_or_si128, _mm_prefetch, _mm_set1_epi32, _mm_set1_ps, _mm_setzero_ps, _mm_store_ps,
+    _mm_sub_ps, _mm256_cmp_ps, _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
+    _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_store_ps, _mm256_sub_ps,
 };
 
 use super::traverse::{BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
@@ -28,9 +29,9 @@ macro_rules! compile_for {
         use super::Avx2;
         use crate::accel::Hit;
         use crate::accel::abreast::RayLanes;
-        use crate::accel::bvh::PackedHit;
+        use crate::accel::bvh::{Crossing, PackedHit, Sight};
         use crate::accel::instances::Instances;
-        use crate::accel::traverse;
+        use crate::accel::traverse::{self, SightLanes};
         use crate::accel::wide::WideTree;
         use crate::math::Ray;
 
@@ -39,7 +40,7 @@ macro_rules! compile_for {
             unsafe { closest_with_features(tree, ray) }
         }
 
-        pub(in crate::accel) fn any(tree: &WideTree, ray: &Ray) -> bool {
+        pub(in crate::accel) fn any(tree: &WideTree, ray: &Ray) -> Sight {
             // SAFETY: as above.
             unsafe { any_with_features(tree, ray) }
         }
@@ -48,52 +49,76 @@ macro_rules! compile_for {
             tree: &WideTree,
             rays: &RayLanes,
             hits: &mut [Hit],
-        ) {
+        ) -> u32 {
             // SAFETY: as above.
             unsafe { closest_of_lanes_with_features(tree, rays, hits) }
         }
 
-        pub(in crate::accel) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> u32 {
+        pub(in crate::accel) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> SightLanes {
             // SAFETY: as above.
             unsafe { any_of_lanes_with_features(tree, rays) }
         }
 
-        pub(in crate::accel) fn closest_of_instances(
+        pub(in crate::accel) fn closest_of_all(
+            tree: &WideTree,
             instances: &Instances,
             ray: &Ray,
-            found: PackedHit,
         ) -> PackedHit {
             // SAFETY: as above.
-            unsafe { closest_of_instances_with_features(instances, ray, found) }
+            unsafe { closest_of_all_with_features(tree, instances, ray) }
         }
 
-        pub(in crate::accel) fn any_of_instances(instances: &Instances, ray: &Ray) -> bool {
+        pub(in crate::accel) fn any_of_instances(instances: &Instances, ray: &Ray) -> Sight {
             // SAFETY: as above.
             unsafe { any_of_instances_with_features(instances, ray) }
         }
 
-        #[target_feature(enable = $features)]
-        fn closest_of_lanes_with_features(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) {
-            traverse::closest_of_lanes::<Avx2>(tree, rays, hits);
+        pub(in crate::accel) fn crossings(
+            tree: &WideTree,
+            instances: Option<&Instances>,
+            ray: &Ray,
+            visit: &mut dyn FnMut(&Crossing) -> f32,
+        ) {
+            // SAFETY: as above.
+            unsafe { crossings_with_features(tree, instances, ray, visit) }
         }
 
         #[target_feature(enable = $features)]
-        fn any_of_lanes_with_features(tree: &WideTree, rays: &RayLanes) -> u32 {
+        fn closest_of_lanes_with_features(
+            tree: &WideTree,
+            rays: &RayLanes,
+            hits: &mut [Hit],
+        ) -> u32 {
+            traverse::closest_of_lanes::<Avx2>(tree, rays, hits)
+        }
+
+        #[target_feature(enable = $features)]
+        fn any_of_lanes_with_features(tree: &WideTree, rays: &RayLanes) -> SightLanes {
             traverse::any_of_lanes::<Avx2>(tree, rays)
         }
 
         #[target_feature(enable = $features)]
-        fn closest_of_instances_with_features(
+        fn closest_of_all_with_features(
+            tree: &WideTree,
             instances: &Instances,
             ray: &Ray,
-            found: PackedHit,
         ) -> PackedHit {
-            traverse::closest_of_instances::<Avx2>(instances, ray, found.into()).into()
+            traverse::closest_of_all::<Avx2>(tree, instances, ray).into()
         }
 
         #[target_feature(enable = $features)]
-        fn any_of_instances_with_features(instances: &Instances, ray: &Ray) -> bool {
+        fn any_of_instances_with_features(instances: &Instances, ray: &Ray) -> Sight {
             traverse::any_of_instances::<Avx2>(instances, ray)
+        }
+
+        #[target_feature(enable = $features)]
+        fn crossings_with_features(
+            tree: &WideTree,
+            instances: Option<&Instances>,
+            ray: &Ray,
+            visit: &mut dyn FnMut(&Crossing) -> f32,
+        ) {
+            traverse::crossings::<Avx2>(tree, instances, ray, visit);
         }
 
         #[target_feature(enable = $features)]
@@ -102,7 +127,7 @@ macro_rules! compile_for {
         }
 
         #[target_feature(enable = $features)]
-        fn any_with_features(tree: &WideTree, ray: &Ray) -> bool {
+        fn any_with_features(tree: &WideTree, ray: &Ray) -> Sight {
             traverse::any::<Avx2>(tree, ray)
         }
     };
@@ -201,18 +226,34 @@ impl Kernel for Avx2 {
             if _mm_movemask_ps(is_inside) == 0 {
                 return LaneHits::NONE;
             }
+            // Many rays start on one of the triangles that are left.
+            let triangles = _mm_load_si128(leaf.triangles.as_ptr().cast());
+            let [starts, ends] = ray
+                .ends
+                .map(|end| _mm_cmpeq_epi32(triangles, _mm_set1_epi32(end as i32)));
+            let is_inside = _mm_andnot_ps(_mm_castsi128_ps(_mm_or_si128(starts, ends)), is_inside);
+            if _mm_movemask_ps(is_inside) == 0 {
+                return LaneHits::NONE;
+            }
             let inverse = _mm_div_ps(_mm_set1_ps(1.0), determinant);
             let scaled = _mm_add_ps(
                 _mm_add_ps(_mm_mul_ps(u, a[2]), _mm_mul_ps(v, b[2])),
                 _mm_mul_ps(w, c[2]),
             );
             let t = _mm_mul_ps(_mm_mul_ps(sz, scaled), inverse);
-            let is_ahead = _mm_and_ps(
-                _mm_cmp_ps::<_CMP_GT_OQ>(t, zero),
-                _mm_cmp_ps::<_CMP_LE_OQ>(t, _mm_set1_ps(t_max)),
+            let magnitude = |x| _mm_andnot_ps(_mm_set1_ps(-0.0), x);
+            let depth = _mm_max_ps(magnitude(a[2]), magnitude(b[2]));
+            let depth = _mm_max_ps(depth, magnitude(c[2]));
+            let slack = _mm_add_ps(
+                _mm_mul_ps(depth, _mm_set1_ps(ray.slack_of_depth)),
+                _mm_set1_ps(ray.slack),
+            );
+            let is_between = _mm_and_ps(
+                _mm_cmp_ps::<_CMP_GT_OQ>(_mm_add_ps(t, slack), zero),
+                _mm_cmp_ps::<_CMP_LT_OQ>(_mm_sub_ps(t, slack), _mm_set1_ps(t_max)),
             );
             let mut hits = LaneHits::NONE;
-            hits.mask = _mm_movemask_ps(_mm_and_ps(is_inside, is_ahead)) as u32;
+            hits.mask = _mm_movemask_ps(_mm_and_ps(is_inside, is_between)) as u32;
             if hits.mask != 0 {
                 let stored = |x: __m128| {
                     let mut lanes = Aligned([0.0; LEAF_SIZE]);
@@ -222,6 +263,7 @@ impl Kernel for Avx2 {
                 hits.t = stored(t);
                 hits.v = stored(_mm_mul_ps(v, inverse));
                 hits.w = stored(_mm_mul_ps(w, inverse));
+                hits.slack = stored(slack);
             }
             hits
         }

@@ -9,8 +9,8 @@
 #![allow(unsafe_code, reason = "vector instructions")]
 
 use std::arch::x86_64::{
-    __m512, __m512i, __mmask16, _CMP_EQ_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_add_epi32,
-    _mm512_add_ps, _mm512_and_si512, _mm512_castps_si512, _mm512_cmp_ps_mask,
+    __m512, __m512i, __mmask16, _CMP_EQ_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _mm512_abs_ps,
+    _mm512_add_epi32, _mm512_add_ps, _mm512_and_si512, _mm512_castps_si512, _mm512_cmp_ps_mask,
     _mm512_cmpeq_epi32_mask, _mm512_div_ps, _mm512_load_ps, _mm512_load_si512, _mm512_loadu_ps,
     _mm512_mask_blend_epi32, _mm512_mask_blend_ps, _mm512_mask_cmp_ps_mask,
     _mm512_mask_cmplt_epu32_mask, _mm512_max_ps, _mm512_min_ps, _mm512_movepi32_mask,
@@ -21,40 +21,43 @@ use std::arch::x86_64::{
 use super::Hit;
 use super::abreast::{PreparedLanes, RayLanes};
 use super::avx2::Avx2;
-use super::traverse::{self, FAR_PADDING};
+use super::bvh::{Best as BestOfOne, Sight};
+use super::traverse::{self, DEPTH_SLACK, FAR_PADDING, SightLanes};
 use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, SMALL_LEAVES, WIDTH, WideTree};
 use crate::math::lanes::{Lanes, lanes_of};
 
-pub(super) fn closest_of_lanes(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) {
+pub(super) fn closest_of_lanes(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) -> u32 {
     // SAFETY: `Bvh` chooses this module only where all of the features were detected.
     unsafe { closest_with_features(tree, rays, hits) }
 }
 
-pub(super) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> u32 {
+pub(super) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> SightLanes {
     // SAFETY: as above.
     unsafe { any_with_features(tree, rays) }
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
-fn closest_with_features(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) {
+fn closest_with_features(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) -> u32 {
     let prepared = PreparedLanes::new(rays);
-    let mut packet = Packet::new(rays, &prepared);
-    packet.walk(tree, rays.mask() as __mmask16, |_| 0);
+    let mut packet = Packet::new(tree, rays, &prepared);
+    packet.walk::<false>(tree, rays.mask() as __mmask16);
     let found = packet.best.stored();
     for lane in lanes_of(rays.mask()) {
         hits[lane] = found.get(lane);
     }
+    u32::from(packet.as_near | packet.at_start) & rays.mask()
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
-fn any_with_features(tree: &WideTree, rays: &RayLanes) -> u32 {
+fn any_with_features(tree: &WideTree, rays: &RayLanes) -> SightLanes {
     let prepared = PreparedLanes::new(rays);
-    let mut packet = Packet::new(rays, &prepared);
-    let ends = packet.best.t;
-    // A hit at the very end does not count.
-    let is_stopped = |best: &Best| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(best.t, ends);
-    packet.walk(tree, rays.mask() as __mmask16, is_stopped);
-    u32::from(is_stopped(&packet.best)) & rays.mask()
+    let mut packet = Packet::new(tree, rays, &prepared);
+    packet.walk::<true>(tree, rays.mask() as __mmask16);
+    let (stopped, unsure) = (packet.stopped, packet.as_near | packet.at_start);
+    SightLanes {
+        stopped: u32::from(stopped) & rays.mask(),
+        unsure: u32::from(unsure & !stopped) & rays.mask(),
+    }
 }
 
 /// Rays as both tests need them, and what they have met so far.
@@ -67,7 +70,20 @@ struct Packet<'a> {
     rows: [__m512i; 3],
     sheared_origin: [__m512; 3],
     shear: [__m512; 3],
+    /// The triangles that the rays start and end on.
+    ends: [__m512i; 2],
+    /// Slack of all distances: as of triangles that reach through the whole tree. Twice of it is between two that are apart for sure.
+    slack: __m512,
+    twice: __m512,
     best: Best,
+    /// Twice the slack behind the best.
+    limit: __m512,
+    /// Rays of which another hit is as near as the best, or one is as near as the end, where any will do,
+    as_near: __mmask16,
+    /// or of which a triangle is where they start.
+    at_start: __mmask16,
+    /// Rays that have met something for sure, where any will do.
+    stopped: __mmask16,
 }
 
 /// The nearest hits; those with the index `u32::MAX` stand for none.
@@ -114,7 +130,7 @@ fn store_integers(lanes: &mut Lanes<u32>, x: __m512i) {
 
 impl<'a> Packet<'a> {
     #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
-    fn new(rays: &RayLanes, prepared: &'a PreparedLanes) -> Self {
+    fn new(tree: &WideTree, rays: &RayLanes, prepared: &'a PreparedLanes) -> Self {
         let origin = prepared.origin.axes().map(load);
         let along = load_integers(&prepared.along);
         let [is_y, is_z] =
@@ -130,8 +146,27 @@ impl<'a> Packet<'a> {
             let of_xy = _mm512_mask_blend_epi32(is_y, at(of_x), at(of_y));
             _mm512_mask_blend_epi32(is_z, of_xy, at(of_z))
         };
+        // Along each axis, how far away the farther side of everything is.
+        let [low, high] = tree.bounds.map(|side| side.to_array());
+        let reach = [0, 1, 2].map(|axis| {
+            let to = |side: f32| _mm512_abs_ps(_mm512_sub_ps(_mm512_set1_ps(side), origin[axis]));
+            _mm512_max_ps(to(low[axis]), to(high[axis]))
+        });
+        let depth = pick(reach[0], reach[1], reach[2]);
+        let shear = prepared.shear.each_ref().map(load);
+        let slack_of_depth = _mm512_mul_ps(_mm512_abs_ps(shear[2]), _mm512_set1_ps(DEPTH_SLACK));
+        let slack = _mm512_add_ps(_mm512_mul_ps(depth, slack_of_depth), load(&prepared.slack));
+        let twice = _mm512_add_ps(slack, slack);
+        let end = load(rays.ends());
         Self {
             prepared,
+            ends: prepared.ends.each_ref().map(load_integers),
+            slack,
+            twice,
+            limit: _mm512_add_ps(end, twice),
+            as_near: 0,
+            at_start: 0,
+            stopped: 0,
             origin,
             inverse: prepared.inverse.each_ref().map(load),
             is_negative: prepared
@@ -140,9 +175,9 @@ impl<'a> Packet<'a> {
                 .map(|lanes| _mm512_test_epi32_mask(load_integers(lanes), load_integers(lanes))),
             rows: [row(1, 2, 0), row(2, 0, 1), row(0, 1, 2)],
             sheared_origin: [pick(y, z, x), pick(z, x, y), pick(x, y, z)],
-            shear: prepared.shear.each_ref().map(load),
+            shear,
             best: Best {
-                t: load(rays.ends()),
+                t: end,
                 triangle: _mm512_set1_epi32(-1),
                 v: _mm512_setzero_ps(),
                 w: _mm512_setzero_ps(),
@@ -150,9 +185,9 @@ impl<'a> Packet<'a> {
         }
     }
 
-    /// Walks the tree with `lanes`, of which those end that `are_done`.
+    /// Walks the tree with `lanes`, which end where they are stopped if `ANY` hit will do.
     #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
-    fn walk(&mut self, tree: &WideTree, lanes: __mmask16, are_done: impl Fn(&Best) -> __mmask16) {
+    fn walk<const ANY: bool>(&mut self, tree: &WideTree, lanes: __mmask16) {
         let mut nodes = [(0, lanes); SMALL_LEAVES];
         let (mut n_met, mut n_nodes) = (0, 1);
         while n_met < n_nodes {
@@ -160,13 +195,13 @@ impl<'a> Packet<'a> {
             n_met += 1;
             let node = &tree.nodes[node as usize];
             for child in 0..WIDTH {
-                let met = lanes & self.meet_box(node, child) & !are_done(&self.best);
+                let met = lanes & self.meet_box(node, child) & !self.stopped;
                 let link = node.children[child];
                 if met == 0 {
                     continue;
                 }
                 if link & LEAF != 0 {
-                    self.meet_leaf(&tree.leaves[(link & !LEAF) as usize], met);
+                    self.meet_leaf::<ANY>(&tree.leaves[(link & !LEAF) as usize], met);
                 } else {
                     nodes[n_nodes] = (link, met);
                     n_nodes += 1;
@@ -191,17 +226,16 @@ impl<'a> Packet<'a> {
             near = _mm512_max_ps(distance(first), near);
             far = _mm512_min_ps(distance(last), far);
         }
-        far = _mm512_mul_ps(_mm512_min_ps(far, self.best.t), _mm512_set1_ps(FAR_PADDING));
+        far = _mm512_mul_ps(_mm512_min_ps(far, self.limit), _mm512_set1_ps(FAR_PADDING));
         _mm512_cmp_ps_mask::<_CMP_LE_OQ>(near, far)
     }
 
     /// Meets the triangles of a leaf.
     #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
-    fn meet_leaf(&mut self, leaf: &Leaf, mut lanes: __mmask16) {
+    fn meet_leaf<const ANY: bool>(&mut self, leaf: &Leaf, mut lanes: __mmask16) {
         let [sx, sy, sz] = self.shear;
         let [ox, oy, oz] = self.sheared_origin;
         let zero = _mm512_setzero_ps();
-        let mut best = self.best;
         // Coordinates of a corner, with what follows them in memory: four x, four y, four z.
         let start = std::ptr::from_ref(leaf).cast::<f32>();
         // SAFETY: a leaf is nine times four coordinates and four indices, of four bytes each.
@@ -236,14 +270,20 @@ impl<'a> Packet<'a> {
             let on_edge = lanes & (is_zero(u) | is_zero(v) | is_zero(w));
             if on_edge != 0 {
                 // Double precision decides, ray by ray.
-                best = self.meet_leaf_alone(leaf, on_edge, best);
+                self.meet_leaf_alone::<ANY>(leaf, on_edge);
                 lanes &= !on_edge;
             }
             // No edge function is zero now, so that all three have the sign of one or not.
             let [u_bits, v_bits, w_bits] = [u, v, w].map(|x| _mm512_castps_si512(x));
             let or = _mm512_or_si512(_mm512_or_si512(u_bits, v_bits), w_bits);
             let and = _mm512_and_si512(_mm512_and_si512(u_bits, v_bits), w_bits);
+            let index = _mm512_set1_epi32(triangle as i32);
+            let [starts, ends] = self.ends.map(|end| _mm512_cmpeq_epi32_mask(end, index));
             let inside = lanes & (!_mm512_movepi32_mask(or) | _mm512_movepi32_mask(and));
+            let inside = inside & !(starts | ends);
+            if inside == 0 {
+                continue;
+            }
             let determinant = _mm512_add_ps(_mm512_add_ps(u, v), w);
             let inverse = _mm512_div_ps(_mm512_set1_ps(1.0), determinant);
             let scaled = _mm512_add_ps(
@@ -251,39 +291,67 @@ impl<'a> Packet<'a> {
                 _mm512_mul_ps(w, c[2]),
             );
             let t = _mm512_mul_ps(_mm512_mul_ps(sz, scaled), inverse);
-            let index = _mm512_set1_epi32(triangle as i32);
-            let ahead = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(inside, t, zero);
+            let (low, high) = (_mm512_sub_ps(t, self.slack), _mm512_add_ps(t, self.slack));
+            let clear = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(inside, low, zero);
+            let near = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(inside, high, zero)
+                & _mm512_cmp_ps_mask::<_CMP_LT_OQ>(t, self.limit);
+            let best = self.best;
+            if ANY {
+                let between = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(clear, high, best.t);
+                self.stopped |= between;
+                self.as_near |= near & !between;
+                continue;
+            }
+            self.at_start |= near & !clear;
+            let ahead = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(near, t, zero);
             let nearer = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(ahead, t, best.t);
-            let as_near = _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(ahead, t, best.t);
-            let is_hit = nearer | _mm512_mask_cmplt_epu32_mask(as_near, index, best.triangle);
-            best = Best {
+            let equal = _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(ahead, t, best.t);
+            let is_hit = nearer | _mm512_mask_cmplt_epu32_mask(equal, index, best.triangle);
+            let apart = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(_mm512_add_ps(t, self.twice), best.t);
+            self.as_near = (self.as_near & !is_hit) | (ahead & !apart);
+            self.best = Best {
                 t: _mm512_mask_blend_ps(is_hit, best.t, t),
                 triangle: _mm512_mask_blend_epi32(is_hit, best.triangle, index),
                 v: _mm512_mask_blend_ps(is_hit, best.v, _mm512_mul_ps(v, inverse)),
                 w: _mm512_mask_blend_ps(is_hit, best.w, _mm512_mul_ps(w, inverse)),
             };
+            self.limit = _mm512_add_ps(self.best.t, self.twice);
         }
-        self.best = best;
     }
 
     /// The same, ray by ray.
     #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
     #[cold]
     #[inline(never)]
-    fn meet_leaf_alone(&self, leaf: &Leaf, lanes: __mmask16, best: Best) -> Best {
-        let mut found = best.stored();
+    fn meet_leaf_alone<const ANY: bool>(&mut self, leaf: &Leaf, lanes: __mmask16) {
+        let mut found = self.best.stored();
+        let mut slack = Lanes::default();
+        store(&mut slack, self.slack);
         for lane in lanes_of(u32::from(lanes)) {
             let prepared = self.prepared.get(lane);
-            let mut hit = found.get(lane);
-            traverse::meet_leaf::<Avx2>(leaf, &prepared, hit.t, &mut hit);
-            found.set(lane, &hit);
+            let hit = found.get(lane);
+            if ANY {
+                match traverse::look_into_leaf::<Avx2>(leaf, &prepared, hit.t) {
+                    Sight::Clear => (),
+                    Sight::Stopped => self.stopped |= 1 << lane,
+                    Sight::Unsure => self.as_near |= 1 << lane,
+                }
+                continue;
+            }
+            let is_alone = self.as_near >> lane & 1 == 0;
+            let mut best = BestOfOne::found(hit, slack.get(lane), is_alone);
+            traverse::meet_leaf::<Avx2>(leaf, &prepared, &mut best);
+            found.set(lane, &best.hit);
+            self.as_near = self.as_near & !(1 << lane) | u16::from(!best.is_alone()) << lane;
+            self.at_start |= u16::from(!best.is_start_clear()) << lane;
         }
-        Best {
+        self.best = Best {
             t: load(&found.t),
             triangle: load_integers(&found.triangle),
             v: load(&found.v),
             w: load(&found.w),
-        }
+        };
+        self.limit = _mm512_add_ps(self.best.t, self.twice);
     }
 }
 

@@ -6,6 +6,7 @@ use super::abreast::{HitLanes, RayLanes};
 use super::build::{TreeQuality, tree_of_triangles};
 use super::instances::{Instances, Placement};
 use super::portable;
+use super::traverse::SightLanes;
 use super::wide::WideTree;
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
@@ -37,31 +38,170 @@ pub struct Hit {
     pub barycentrics: [f32; 2],
 }
 
-/// A hit as a kernel hands it back: in two registers. By way of memory, the first read of it would have to wait for the
-/// pieces that were written.
+/// A hit on the way of a ray, and by how much its distance may be wrong.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    pub(crate) hit: Hit,
+    pub(crate) slack: f32,
+}
+
+/// The nearest hit so far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Best {
+    pub(super) hit: Hit,
+    slack: f32,
+    /// False if another one may be as near,
+    is_alone: bool,
+    /// or if one may be behind the origin or before it.
+    is_start_clear: bool,
+}
+
+/// What a ray meets first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Met {
+    pub(crate) hit: Option<Hit>,
+    /// False if single precision cannot tell which is the first, or whether anything is met at all.
+    pub(crate) is_sure: bool,
+}
+
+/// Whether anything is in the way of a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub(crate) enum Sight {
+    /// Nothing.
+    Clear,
+    /// Something.
+    Stopped,
+    /// Single precision cannot tell.
+    Unsure,
+}
+
+/// What a ray has met first as a kernel hands it back: in two registers. By way of memory, the first read of it would have to wait
+/// for the pieces that were written. Distances have no sign; it says whether the hit is not sure.
 #[derive(Clone, Copy)]
 pub(super) struct PackedHit(u64, u64);
 
-impl From<Hit> for PackedHit {
+impl Sight {
     #[inline(always)]
-    fn from(hit: Hit) -> Self {
+    pub(super) fn new(is_stopped: bool, is_sure: bool) -> Self {
+        if is_stopped {
+            Self::Stopped
+        } else if is_sure {
+            Self::Clear
+        } else {
+            Self::Unsure
+        }
+    }
+}
+
+impl Best {
+    /// No hit before `end`.
+    #[inline(always)]
+    pub(super) fn none_before(end: f32) -> Self {
+        Self {
+            hit: Hit::none_before(end),
+            slack: 0.0,
+            is_alone: true,
+            is_start_clear: true,
+        }
+    }
+
+    /// One found elsewhere.
+    #[inline(always)]
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn found(hit: Hit, slack: f32, is_alone: bool) -> Self {
+        Self {
+            hit,
+            slack,
+            is_alone,
+            is_start_clear: true,
+        }
+    }
+
+    /// What begins behind this is not before it for sure.
+    #[inline(always)]
+    pub(super) fn end(&self) -> f32 {
+        self.hit.t + self.slack
+    }
+
+    /// False if another one may be as near.
+    #[inline(always)]
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn is_alone(&self) -> bool {
+        self.is_alone
+    }
+
+    /// False if one may be behind the origin or before it.
+    #[inline(always)]
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn is_start_clear(&self) -> bool {
+        self.is_start_clear
+    }
+
+    /// False if single precision cannot tell.
+    #[inline(always)]
+    pub(super) fn is_sure(&self) -> bool {
+        self.is_alone & self.is_start_clear
+    }
+
+    /// Takes another hit in its place, if that is nearer.
+    #[inline(always)]
+    pub(super) fn offer(&mut self, hit: Hit, slack: f32) {
+        let low = hit.t - slack;
+        if low <= 0.0 {
+            self.is_start_clear = false;
+            if hit.t <= 0.0 {
+                return;
+            }
+        }
+        if hit.is_before(&self.hit) {
+            self.is_alone = hit.t + slack < self.hit.t - self.slack;
+            (self.hit, self.slack) = (hit, slack);
+        } else {
+            // A leaf that is not full has a triangle more than once.
+            self.is_alone &= low > self.end() || hit.triangle == self.hit.triangle;
+        }
+    }
+
+    /// The same of what was found among triangles that are numbered from `first_triangle` on.
+    #[inline(always)]
+    pub(super) fn offer_all(&mut self, found: &Self, first_triangle: u32) {
+        if found.hit.is_there() {
+            let mut hit = found.hit;
+            hit.triangle += first_triangle;
+            self.offer(hit, found.slack);
+        }
+        self.is_alone &= found.is_alone;
+        self.is_start_clear &= found.is_start_clear;
+    }
+}
+
+impl From<Best> for PackedHit {
+    #[inline(always)]
+    fn from(best: Best) -> Self {
         let pair = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
+        let unsure = u32::from(!best.is_sure()) << 31;
+        let hit = best.hit;
         let [u, v] = hit.barycentrics;
         Self(
-            pair(hit.t.to_bits(), hit.triangle),
+            pair(hit.t.to_bits() | unsure, hit.triangle),
             pair(u.to_bits(), v.to_bits()),
         )
     }
 }
 
-impl From<PackedHit> for Hit {
+impl From<PackedHit> for Met {
     #[inline(always)]
     fn from(PackedHit(a, b): PackedHit) -> Self {
         let upper = |x: u64| f32::from_bits((x >> 32) as u32);
-        Self {
-            t: upper(a),
+        let hit = Hit {
+            t: upper(a).abs(),
             triangle: a as u32,
             barycentrics: [upper(b), f32::from_bits(b as u32)],
+        };
+        Self {
+            hit: hit.is_there().then_some(hit),
+            is_sure: a >> 63 == 0,
         }
     }
 }
@@ -113,98 +253,146 @@ impl Bvh {
         self.quality
     }
 
-    /// What the ray meets first, if anything.
+    /// What the ray meets first, if anything, as far as single precision can tell.
     #[inline]
     #[must_use]
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let mut hit = PackedHit::from(Hit::none_before(ray.t_max()));
-        if !self.tree.nodes.is_empty() {
-            hit = match self.kernel {
+        self.meet(ray).hit
+    }
+
+    /// True if anything is in the way of the ray before its end, as far as single precision can tell.
+    #[must_use]
+    pub fn is_occluded(&self, ray: &Ray) -> bool {
+        match self.look(ray) {
+            Sight::Clear => false,
+            Sight::Stopped => true,
+            Sight::Unsure => {
+                let mut is_occluded = false;
+                self.crossings(ray, &mut |crossing| {
+                    let t = crossing.hit.t;
+                    is_occluded |= t > 0.0 && t < ray.t_max();
+                    ray.t_max()
+                });
+                is_occluded
+            }
+        }
+    }
+
+    /// What the ray meets first.
+    #[inline]
+    pub(crate) fn meet(&self, ray: &Ray) -> Met {
+        let hit = match &self.instances {
+            None if self.tree.nodes.is_empty() => PackedHit::from(Best::none_before(ray.t_max())),
+            None => match self.kernel {
                 Kernel::Portable => portable::closest(&self.tree, ray),
                 #[cfg(target_arch = "x86_64")]
                 Kernel::Avx2 => avx2::plain::closest(&self.tree, ray),
                 #[cfg(target_arch = "x86_64")]
                 Kernel::Avx512 => avx2::avx512::closest(&self.tree, ray),
-            };
-        }
-        if let Some(instances) = &self.instances {
-            hit = match self.kernel {
-                Kernel::Portable => portable::closest_of_instances(instances, ray, hit),
+            },
+            Some(instances) => match self.kernel {
+                Kernel::Portable => portable::closest_of_all(&self.tree, instances, ray),
                 #[cfg(target_arch = "x86_64")]
-                Kernel::Avx2 => avx2::plain::closest_of_instances(instances, ray, hit),
+                Kernel::Avx2 => avx2::plain::closest_of_all(&self.tree, instances, ray),
                 #[cfg(target_arch = "x86_64")]
-                Kernel::Avx512 => avx2::avx512::closest_of_instances(instances, ray, hit),
-            };
-        }
-        let hit = Hit::from(hit);
-        hit.is_there().then_some(hit)
+                Kernel::Avx512 => avx2::avx512::closest_of_all(&self.tree, instances, ray),
+            },
+        };
+        hit.into()
     }
 
-    /// Hands everything that the ray meets before its end to `found`, in no order. All kernels find
-    /// the same, so that it is written for any processor.
+    /// Hands everything that the ray meets before its end to `found`, in no order, as far as single precision can tell.
     pub fn each_hit(&self, ray: &Ray, found: &mut dyn FnMut(Hit)) {
-        if !self.tree.nodes.is_empty() {
-            portable::each(&self.tree, ray, found);
-        }
-        if let Some(instances) = &self.instances {
-            portable::each_of_instances(instances, ray, found);
-        }
+        self.crossings(ray, &mut |crossing| {
+            if crossing.hit.t > 0.0 && crossing.hit.t < ray.t_max() {
+                found(crossing.hit);
+            }
+            ray.t_max()
+        });
     }
 
-    /// True if anything is in the way of the ray before its end.
+    /// Whether anything is in the way of the ray before its end.
     #[inline]
-    #[must_use]
-    pub fn is_occluded(&self, ray: &Ray) -> bool {
-        let is_occluded = !self.tree.nodes.is_empty()
-            && match self.kernel {
+    pub(crate) fn look(&self, ray: &Ray) -> Sight {
+        let sight = if self.tree.nodes.is_empty() {
+            Sight::Clear
+        } else {
+            match self.kernel {
                 Kernel::Portable => portable::any(&self.tree, ray),
                 #[cfg(target_arch = "x86_64")]
                 Kernel::Avx2 => avx2::plain::any(&self.tree, ray),
                 #[cfg(target_arch = "x86_64")]
                 Kernel::Avx512 => avx2::avx512::any(&self.tree, ray),
-            };
+            }
+        };
         match &self.instances {
-            None => is_occluded,
-            Some(_) if is_occluded => true,
-            Some(instances) => match self.kernel {
-                Kernel::Portable => portable::any_of_instances(instances, ray),
-                #[cfg(target_arch = "x86_64")]
-                Kernel::Avx2 => avx2::plain::any_of_instances(instances, ray),
-                #[cfg(target_arch = "x86_64")]
-                Kernel::Avx512 => avx2::avx512::any_of_instances(instances, ray),
-            },
+            Some(instances) if sight != Sight::Stopped => {
+                let inside = match self.kernel {
+                    Kernel::Portable => portable::any_of_instances(instances, ray),
+                    #[cfg(target_arch = "x86_64")]
+                    Kernel::Avx2 => avx2::plain::any_of_instances(instances, ray),
+                    #[cfg(target_arch = "x86_64")]
+                    Kernel::Avx512 => avx2::avx512::any_of_instances(instances, ray),
+                };
+                if inside == Sight::Clear {
+                    sight
+                } else {
+                    inside
+                }
+            }
+            _ => sight,
         }
     }
 
-    /// What the rays meet first, if anything.
-    pub(crate) fn closest_hits(&self, rays: &RayLanes) -> HitLanes {
-        let mut found = [None; LANES];
+    /// Hands everything that the ray meets, or may meet, to `visit`, in any order: each triangle once. `visit` says beyond which
+    /// distance nothing is wanted any more.
+    pub(crate) fn crossings(&self, ray: &Ray, visit: &mut dyn FnMut(&Crossing) -> f32) {
+        let instances = self.instances.as_deref();
+        match self.kernel {
+            Kernel::Portable => portable::crossings(&self.tree, instances, ray, visit),
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx2 => avx2::plain::crossings(&self.tree, instances, ray, visit),
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx512 => avx2::avx512::crossings(&self.tree, instances, ray, visit),
+        }
+    }
+
+    /// What the rays meet first, if anything, and one bit for each lane that is not sure of it.
+    pub(crate) fn closest_hits(&self, rays: &RayLanes) -> (HitLanes, u32) {
         if !self.begins_abreast(rays) {
+            let (mut found, mut unsure) = ([None; LANES], 0);
             for lane in lanes_of(rays.mask()) {
-                found[lane] = self.closest_hit(&rays.get(lane));
+                let met = self.meet(&rays.get(lane));
+                found[lane] = met.hit;
+                unsure |= u32::from(!met.is_sure) << lane;
             }
-            return found;
+            return (found, unsure);
         }
         let mut hits = [Hit::none_before(0.0); LANES];
-        match self.kernel {
+        let unsure = match self.kernel {
             Kernel::Portable => portable::closest_of_lanes(&self.tree, rays, &mut hits),
             #[cfg(target_arch = "x86_64")]
             Kernel::Avx2 => avx2::plain::closest_of_lanes(&self.tree, rays, &mut hits),
             #[cfg(target_arch = "x86_64")]
             Kernel::Avx512 if self.go_together(rays) => {
-                avx512::closest_of_lanes(&self.tree, rays, &mut hits);
+                avx512::closest_of_lanes(&self.tree, rays, &mut hits)
             }
             #[cfg(target_arch = "x86_64")]
             Kernel::Avx512 => avx2::avx512::closest_of_lanes(&self.tree, rays, &mut hits),
-        }
-        hits.map(|hit| hit.is_there().then_some(hit))
+        };
+        (hits.map(|hit| hit.is_there().then_some(hit)), unsure)
     }
 
-    /// One bit for each lane of which anything is in the way of the ray before its end.
-    pub(crate) fn occluded(&self, rays: &RayLanes) -> u32 {
+    /// Whether anything is in the way of the rays before their ends.
+    pub(crate) fn occluded(&self, rays: &RayLanes) -> SightLanes {
         if !self.begins_abreast(rays) {
-            let bit = |lane: usize| u32::from(self.is_occluded(&rays.get(lane))) << lane;
-            return lanes_of(rays.mask()).fold(0, |mask, lane| mask | bit(lane));
+            let mut lanes = SightLanes::default();
+            for lane in lanes_of(rays.mask()) {
+                let sight = self.look(&rays.get(lane));
+                lanes.stopped |= u32::from(sight == Sight::Stopped) << lane;
+                lanes.unsure |= u32::from(sight == Sight::Unsure) << lane;
+            }
+            return lanes;
         }
         match self.kernel {
             Kernel::Portable => portable::any_of_lanes(&self.tree, rays),

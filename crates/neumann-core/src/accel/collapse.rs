@@ -142,6 +142,7 @@ fn collapse(binary: &BinaryTree, items: Items<'_>, cut_levels: Option<usize>) ->
         nodes: in_large_pages(EMPTY_NODE, extents().map(|e| e.n_nodes).sum()),
         leaves: in_large_pages(EMPTY_LEAF, n_leaves),
         depth: top.depth,
+        bounds: [Vec3::ZERO; 2],
         is_far: false,
     };
     let mut parts = Vec::with_capacity(1 + below.len());

@@ -20,6 +20,8 @@ pub(super) struct Instances {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Instance {
     mesh_from_world: Affine3A,
+    /// The same with all numbers positive: bounds what the transform of a point rounds.
+    magnitudes: Affine3A,
     pub(super) mesh: usize,
     /// Index of its first triangle among those of the scene.
     pub(super) first_triangle: u32,
@@ -54,7 +56,7 @@ impl Instances {
         let boxes: Vec<Aabb> = placements
             .iter()
             .map(|placement| {
-                let [min, max] = meshes[placement.mesh].bounds();
+                let [min, max] = meshes[placement.mesh].bounds;
                 let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
                 for i in 0..8 {
                     let pick =
@@ -71,10 +73,15 @@ impl Instances {
             tree: tree_of_items(&boxes, quality),
             instances: placements
                 .iter()
-                .map(|p| Instance {
-                    mesh_from_world: p.world_from_mesh.inverse(),
-                    mesh: p.mesh,
-                    first_triangle: p.first_triangle,
+                .map(|p| {
+                    let mesh_from_world = p.world_from_mesh.inverse();
+                    let columns = mesh_from_world.to_cols_array_2d();
+                    Instance {
+                        mesh_from_world,
+                        magnitudes: Affine3A::from_cols_array_2d(&columns.map(|c| c.map(f32::abs))),
+                        mesh: p.mesh,
+                        first_triangle: p.first_triangle,
+                    }
                 })
                 .collect(),
             meshes,
@@ -95,5 +102,14 @@ impl Instance {
         let origin = self.mesh_from_world.transform_point3(ray.origin());
         let direction = self.mesh_from_world.transform_vector3(ray.direction());
         Ray::with_end(origin, direction, t_max)
+            .leaving(ray.leaves().wrapping_sub(self.first_triangle))
+            .aimed_at(ray.aims_at().wrapping_sub(self.first_triangle))
+    }
+
+    /// How large the coordinates were that the origin of [`Self::ray_inside`] is made of.
+    #[inline(always)]
+    pub(super) fn reach(&self, ray: &Ray) -> f32 {
+        let origin = ray.origin().abs();
+        self.magnitudes.transform_point3(origin).max_element()
     }
 }

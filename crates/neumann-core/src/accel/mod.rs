@@ -26,5 +26,6 @@ mod wide;
 
 pub(crate) use abreast::{HitLanes, RayLanes};
 pub use build::TreeQuality;
+pub(crate) use bvh::Sight;
 pub use bvh::{Bvh, Hit};
 pub use instances::Placement;

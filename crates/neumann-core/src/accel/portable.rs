@@ -2,9 +2,11 @@
 
 use super::Hit;
 use super::abreast::RayLanes;
-use super::bvh::PackedHit;
+use super::bvh::{Crossing, PackedHit, Sight};
 use super::instances::Instances;
-use super::traverse::{self, BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
+use super::traverse::{
+    self, BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, SightLanes, decide_in_double,
+};
 use super::wide::{LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
 use crate::math::Ray;
 
@@ -16,42 +18,38 @@ pub(super) fn closest(tree: &WideTree, ray: &Ray) -> PackedHit {
 }
 
 #[inline(never)]
-pub(super) fn any(tree: &WideTree, ray: &Ray) -> bool {
+pub(super) fn any(tree: &WideTree, ray: &Ray) -> Sight {
     traverse::any::<Portable>(tree, ray)
 }
 
 #[inline(never)]
-pub(super) fn closest_of_lanes(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) {
-    traverse::closest_of_lanes::<Portable>(tree, rays, hits);
+pub(super) fn closest_of_lanes(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) -> u32 {
+    traverse::closest_of_lanes::<Portable>(tree, rays, hits)
 }
 
 #[inline(never)]
-pub(super) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> u32 {
+pub(super) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> SightLanes {
     traverse::any_of_lanes::<Portable>(tree, rays)
 }
 
 #[inline(never)]
-pub(super) fn closest_of_instances(
-    instances: &Instances,
-    ray: &Ray,
-    found: PackedHit,
-) -> PackedHit {
-    traverse::closest_of_instances::<Portable>(instances, ray, found.into()).into()
+pub(super) fn closest_of_all(tree: &WideTree, instances: &Instances, ray: &Ray) -> PackedHit {
+    traverse::closest_of_all::<Portable>(tree, instances, ray).into()
 }
 
 #[inline(never)]
-pub(super) fn any_of_instances(instances: &Instances, ray: &Ray) -> bool {
+pub(super) fn any_of_instances(instances: &Instances, ray: &Ray) -> Sight {
     traverse::any_of_instances::<Portable>(instances, ray)
 }
 
 #[inline(never)]
-pub(super) fn each(tree: &WideTree, ray: &Ray, found: &mut dyn FnMut(Hit)) {
-    traverse::each::<Portable>(tree, ray, found);
-}
-
-#[inline(never)]
-pub(super) fn each_of_instances(instances: &Instances, ray: &Ray, found: &mut dyn FnMut(Hit)) {
-    traverse::each_of_instances::<Portable>(instances, ray, found);
+pub(super) fn crossings(
+    tree: &WideTree,
+    instances: Option<&Instances>,
+    ray: &Ray,
+    visit: &mut dyn FnMut(&Crossing) -> f32,
+) {
+    traverse::crossings::<Portable>(tree, instances, ray, visit);
 }
 
 impl Kernel for Portable {
@@ -121,7 +119,13 @@ impl Kernel for Portable {
             hits.t[lane] = t;
             hits.v[lane] = v[lane] * inverse;
             hits.w[lane] = w[lane] * inverse;
-            let is_hit = !is_outside && determinant != 0.0 && t > 0.0 && t <= t_max;
+            let larger = |a: f32, b: f32| if a > b { a } else { b };
+            let [a, b, c] = [0, 1, 2].map(|corner| z[corner][lane].abs());
+            let slack = larger(larger(a, b), c) * ray.slack_of_depth + ray.slack;
+            hits.slack[lane] = slack;
+            let is_there = determinant != 0.0 && !ray.ends.contains(&leaf.triangles[lane]);
+            let is_between = t + slack > 0.0 && t - slack < t_max;
+            let is_hit = !is_outside && is_there && is_between;
             hits.mask |= u32::from(is_hit) << lane;
         }
         hits

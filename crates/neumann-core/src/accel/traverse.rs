@@ -8,6 +8,11 @@
 //!
 //! Of two triangles at the same distance the one with the lower index is hit: the answer does
 //! not depend on the shape of the tree.
+//!
+//! Single precision cannot tell everything. So every hit has a *slack*, by which its distance may be wrong: a share of the
+//! triangle's depth, seen from the origin, and of the origin's coordinates. Where a hit may lie before the start, behind the end
+//! or on the other side of another hit, the answer says that it is not sure, and double precision decides
+//! (`transport::crossings`). The triangle that a ray starts on, and the one that it ends on, are not met.
 
 use std::marker::PhantomData;
 use std::mem::MaybeUninit;
@@ -16,7 +21,8 @@ use glam::Vec4;
 
 use super::Hit;
 use super::abreast::{BoxHitLanes, PreparedLanes, RayLanes};
-use super::instances::Instances;
+use super::bvh::{Best, Crossing, Sight};
+use super::instances::{Instance, Instances};
 use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, STACK_SIZE, WIDTH, WideTree};
 use crate::math::Ray;
 use crate::math::lanes::lanes_of;
@@ -24,6 +30,13 @@ use crate::math::lanes::lanes_of;
 /// Room for the rounding of three operations on either side of a box. What a ray has met is moved out as well: a triangle in a box
 /// right behind may be as near, and count.
 pub(super) const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;
+
+/// Slack of a distance, relative to how far away the corners of the triangle are along the axis that the ray runs along most: what
+/// the test rounds, with room for triangles fifty times as long as they are wide, or seen as small.
+pub(super) const DEPTH_SLACK: f32 = 1.0 / 16_384.0;
+/// Slack relative to the coordinates of the origin: what an origin on a surface may be off it, and surfaces in one plane off each
+/// other.
+const ORIGIN_SLACK: f32 = 1.0 / 1_048_576.0;
 
 /// A ray prepared for both tests.
 pub(super) struct Prepared {
@@ -34,6 +47,12 @@ pub(super) struct Prepared {
     /// Axes of the sheared frame; the ray runs along the last.
     pub(super) axes: [usize; 3],
     pub(super) shear: [f32; 3],
+    /// Slack of all distances,
+    pub(super) slack: f32,
+    /// and more for every metre that corners are away along the last axis.
+    pub(super) slack_of_depth: f32,
+    /// The triangles that it starts and ends on.
+    pub(super) ends: [u32; 2],
 }
 
 /// Which children of a node are met.
@@ -52,6 +71,7 @@ pub(super) struct LaneHits {
     pub(super) t: [f32; LEAF_SIZE],
     pub(super) v: [f32; LEAF_SIZE],
     pub(super) w: [f32; LEAF_SIZE],
+    pub(super) slack: [f32; LEAF_SIZE],
 }
 
 impl LaneHits {
@@ -60,6 +80,7 @@ impl LaneHits {
         t: [0.0; LEAF_SIZE],
         v: [0.0; LEAF_SIZE],
         w: [0.0; LEAF_SIZE],
+        slack: [0.0; LEAF_SIZE],
     };
 }
 
@@ -67,7 +88,8 @@ impl LaneHits {
 pub(super) trait Kernel {
     /// The children whose boxes the ray meets before `t_max`.
     fn meet_boxes(node: &Node, ray: &Prepared, t_max: f32) -> BoxHits;
-    /// Hits with `0 < t <= t_max`.
+    /// Hits that may be behind the origin and before `t_max`, slack taken into account, but for those of the triangles that the ray starts
+    /// and ends on.
     fn meet_triangles(leaf: &Leaf, ray: &Prepared, t_max: f32) -> LaneHits;
     /// Asks for the memory of a node or leaf that will be visited, if the tree is far.
     fn prefetch(tree: &WideTree, child: u32);
@@ -83,7 +105,7 @@ trait Visitor {
 /// The same where any hit will do.
 trait AnyVisitor {
     /// True if the ray is stopped in the leaf.
-    fn stops(&self, leaf: usize) -> bool;
+    fn stops(&mut self, leaf: usize) -> bool;
 }
 
 /// Walks the nodes whose boxes the ray meets before `end`, nearest first.
@@ -152,7 +174,7 @@ fn walk_until<K: Kernel>(
     tree: &WideTree,
     prepared: &Prepared,
     end: f32,
-    visitor: &impl AnyVisitor,
+    visitor: &mut impl AnyVisitor,
 ) -> bool {
     let root = K::meet_boxes(&tree.nodes[0], prepared, end).mask;
     walk_below_root_until::<K>(tree, prepared, end, root, visitor)
@@ -165,7 +187,7 @@ fn walk_below_root_until<K: Kernel>(
     prepared: &Prepared,
     end: f32,
     root: u32,
-    visitor: &impl AnyVisitor,
+    visitor: &mut impl AnyVisitor,
 ) -> bool {
     let (mut stack, mut top) = (Stack::new(), 0);
     let mut node = &tree.nodes[0];
@@ -197,9 +219,15 @@ fn walk_below_root_until<K: Kernel>(
     }
 }
 
-/// The first triangles that rays meet, or what stands for none; lanes without a ray are left alone.
+/// The first triangles that rays meet, or what stands for none; lanes without a ray are left alone. One bit is set for each lane
+/// that is not sure.
 #[inline(always)]
-pub(super) fn closest_of_lanes<K: Kernel>(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) {
+pub(super) fn closest_of_lanes<K: Kernel>(
+    tree: &WideTree,
+    rays: &RayLanes,
+    hits: &mut [Hit],
+) -> u32 {
+    let mut unsure = 0;
     let prepared = PreparedLanes::new(rays);
     let root = BoxHitLanes::new(&tree.nodes[0], rays, &prepared);
     for lane in lanes_of(rays.mask()) {
@@ -207,39 +235,50 @@ pub(super) fn closest_of_lanes<K: Kernel>(tree: &WideTree, rays: &RayLanes, hits
         let mut triangles = Triangles::<K> {
             tree,
             prepared: &prepared,
-            best: Hit::none_before(end),
+            best: Best::none_before(end),
             kernel: PhantomData,
         };
         walk_below_root::<K>(tree, &prepared, end, root.get(lane), &mut triangles);
-        hits[lane] = triangles.best;
+        hits[lane] = triangles.best.hit;
+        unsure |= u32::from(!triangles.best.is_sure()) << lane;
     }
+    unsure
 }
 
-/// One bit for each lane of which the ray meets any triangle before its end.
+/// Whether the ray of each lane meets any triangle before its end.
 #[inline(always)]
-pub(super) fn any_of_lanes<K: Kernel>(tree: &WideTree, rays: &RayLanes) -> u32 {
+pub(super) fn any_of_lanes<K: Kernel>(tree: &WideTree, rays: &RayLanes) -> SightLanes {
     let prepared = PreparedLanes::new(rays);
     let root = BoxHitLanes::new(&tree.nodes[0], rays, &prepared);
-    let mut stopped = 0;
+    let mut lanes = SightLanes::default();
     for lane in lanes_of(rays.mask()) {
         let (prepared, end) = (prepared.get(lane), rays.end(lane));
-        let triangles = Triangles::<K> {
+        let mut triangles = AnyTriangle::<K> {
             tree,
             prepared: &prepared,
-            best: Hit::none_before(end),
+            end,
+            is_sure: true,
             kernel: PhantomData,
         };
-        let is_stopped =
-            walk_below_root_until::<K>(tree, &prepared, end, root.get(lane).mask, &triangles);
-        stopped |= u32::from(is_stopped) << lane;
+        let root = root.get(lane).mask;
+        let is_stopped = walk_below_root_until::<K>(tree, &prepared, end, root, &mut triangles);
+        lanes.stopped |= u32::from(is_stopped) << lane;
+        lanes.unsure |= u32::from(!is_stopped & !triangles.is_sure) << lane;
     }
-    stopped
+    lanes
+}
+
+/// [`Sight`] in each lane: one bit for each that is stopped, or not sure.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SightLanes {
+    pub(crate) stopped: u32,
+    pub(crate) unsure: u32,
 }
 
 /// Puts the first triangle of a leaf that the ray meets into `best`, if it is before that.
 #[inline(always)]
-pub(super) fn meet_leaf<K: Kernel>(leaf: &Leaf, prepared: &Prepared, end: f32, best: &mut Hit) {
-    let lanes = K::meet_triangles(leaf, prepared, end);
+pub(super) fn meet_leaf<K: Kernel>(leaf: &Leaf, prepared: &Prepared, best: &mut Best) {
+    let lanes = K::meet_triangles(leaf, prepared, best.end());
     let mut mask = lanes.mask;
     while mask != 0 {
         let lane = mask.trailing_zeros() as usize & (LEAF_SIZE - 1);
@@ -249,114 +288,192 @@ pub(super) fn meet_leaf<K: Kernel>(leaf: &Leaf, prepared: &Prepared, end: f32, b
             triangle: leaf.triangles[lane],
             barycentrics: [lanes.v[lane], lanes.w[lane]],
         };
-        if hit.is_before(best) {
-            *best = hit;
-        }
+        best.offer(hit, lanes.slack[lane]);
     }
+}
+
+/// Whether any triangle of a leaf is in the way of a ray before its end.
+#[inline(always)]
+pub(super) fn look_into_leaf<K: Kernel>(leaf: &Leaf, prepared: &Prepared, end: f32) -> Sight {
+    let lanes = K::meet_triangles(leaf, prepared, end);
+    let is_between = |lane: usize| {
+        let (t, slack) = (lanes.t[lane], lanes.slack[lane]);
+        lanes.mask >> lane & 1 != 0 && t - slack > 0.0 && t + slack < end
+    };
+    let is_stopped = lanes.mask != 0 && (0..LEAF_SIZE).any(is_between);
+    Sight::new(is_stopped, lanes.mask == 0)
 }
 
 /// The first triangle that the ray meets, or what stands for none.
 #[inline(always)]
-pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &Ray) -> Hit {
-    let prepared = Prepared::new(ray);
+pub(super) fn closest<K: Kernel>(tree: &WideTree, ray: &Ray) -> Best {
+    closest_prepared::<K>(tree, &Prepared::new(ray), ray.t_max())
+}
+
+#[inline(always)]
+fn closest_prepared<K: Kernel>(tree: &WideTree, prepared: &Prepared, end: f32) -> Best {
     let mut triangles = Triangles::<K> {
         tree,
-        prepared: &prepared,
-        best: Hit::none_before(ray.t_max()),
+        prepared,
+        best: Best::none_before(end),
         kernel: PhantomData,
     };
-    walk::<K>(tree, &prepared, ray.t_max(), &mut triangles);
+    walk::<K>(tree, prepared, end, &mut triangles);
     triangles.best
 }
 
-/// True if the ray meets any triangle before its end.
+/// Whether the ray meets any triangle before its end.
 #[inline(always)]
-pub(super) fn any<K: Kernel>(tree: &WideTree, ray: &Ray) -> bool {
-    let prepared = Prepared::new(ray);
-    let triangles = Triangles::<K> {
-        tree,
-        prepared: &prepared,
-        best: Hit::none_before(ray.t_max()),
-        kernel: PhantomData,
-    };
-    walk_until::<K>(tree, &prepared, ray.t_max(), &triangles)
+pub(super) fn any<K: Kernel>(tree: &WideTree, ray: &Ray) -> Sight {
+    any_prepared::<K>(tree, &Prepared::new(ray), ray.t_max())
 }
 
-/// The first triangle of an instance that the ray meets, if it is before `found`, else that.
 #[inline(always)]
-pub(super) fn closest_of_instances<K: Kernel>(instances: &Instances, ray: &Ray, found: Hit) -> Hit {
+fn any_prepared<K: Kernel>(tree: &WideTree, prepared: &Prepared, end: f32) -> Sight {
+    let mut triangles = AnyTriangle::<K> {
+        tree,
+        prepared,
+        end,
+        is_sure: true,
+        kernel: PhantomData,
+    };
+    let is_stopped = walk_until::<K>(tree, prepared, end, &mut triangles);
+    Sight::new(is_stopped, triangles.is_sure)
+}
+
+/// The first triangle that the ray meets, of those in the world and of those of instances.
+#[inline(always)]
+pub(super) fn closest_of_all<K: Kernel>(tree: &WideTree, instances: &Instances, ray: &Ray) -> Best {
+    let prepared = Prepared::new(ray);
+    let best = if tree.nodes.is_empty() {
+        Best::none_before(ray.t_max())
+    } else {
+        closest_prepared::<K>(tree, &prepared, ray.t_max())
+    };
+    let end = best.end();
     let mut inside = Inside::<K> {
         instances,
         ray,
-        best: found,
+        best,
         kernel: PhantomData,
     };
-    walk::<K>(&instances.tree, &Prepared::new(ray), found.t, &mut inside);
+    walk::<K>(&instances.tree, &prepared, end, &mut inside);
     inside.best
 }
 
-/// True if the ray meets any triangle of an instance before its end.
+/// Whether the ray meets any triangle of an instance before its end.
 #[inline(always)]
-pub(super) fn any_of_instances<K: Kernel>(instances: &Instances, ray: &Ray) -> bool {
-    let inside = Inside::<K> {
+pub(super) fn any_of_instances<K: Kernel>(instances: &Instances, ray: &Ray) -> Sight {
+    let mut inside = AnyInside::<K> {
         instances,
         ray,
-        best: Hit::none_before(ray.t_max()),
+        is_sure: true,
         kernel: PhantomData,
     };
-    walk_until::<K>(&instances.tree, &Prepared::new(ray), ray.t_max(), &inside)
+    let (prepared, end) = (Prepared::new(ray), ray.t_max());
+    let is_stopped = walk_until::<K>(&instances.tree, &prepared, end, &mut inside);
+    Sight::new(is_stopped, inside.is_sure)
 }
 
-/// Hands all triangles that the ray meets before its end to `found`, in no order.
-pub(super) fn each<K: Kernel>(tree: &WideTree, ray: &Ray, found: &mut dyn FnMut(Hit)) {
-    let prepared = Prepared::new(ray);
-    let mut all = All::<K> {
-        tree,
-        prepared: &prepared,
-        found,
-        kernel: PhantomData,
-    };
-    walk::<K>(tree, &prepared, ray.t_max(), &mut all);
-}
-
-/// Hands all triangles of instances that the ray meets before its end to `found`, in no order.
-pub(super) fn each_of_instances<K: Kernel>(
-    instances: &Instances,
+/// Hands all hits to `visit`, in any order, which says where the ray ends from then on.
+#[inline(always)]
+pub(super) fn crossings<K: Kernel>(
+    tree: &WideTree,
+    instances: Option<&Instances>,
     ray: &Ray,
-    found: &mut dyn FnMut(Hit),
+    visit: &mut dyn FnMut(&Crossing) -> f32,
 ) {
-    let mut all = AllInside::<K> {
-        instances,
-        ray,
-        found,
-        kernel: PhantomData,
-    };
-    walk::<K>(&instances.tree, &Prepared::new(ray), ray.t_max(), &mut all);
+    let prepared = Prepared::new(ray);
+    let mut end = ray.t_max();
+    if !tree.nodes.is_empty() {
+        let mut all = AllTriangles::<K> {
+            tree,
+            prepared: &prepared,
+            first_triangle: 0,
+            end,
+            visit: &mut *visit,
+            kernel: PhantomData,
+        };
+        walk::<K>(tree, &prepared, end, &mut all);
+        end = all.end;
+    }
+    if let Some(instances) = instances {
+        let mut all = AllInside::<K> {
+            instances,
+            ray,
+            visit,
+            kernel: PhantomData,
+        };
+        walk::<K>(&instances.tree, &prepared, end, &mut all);
+    }
 }
 
 /// The triangles of a leaf.
 struct Triangles<'a, K> {
     tree: &'a WideTree,
     prepared: &'a Prepared,
-    best: Hit,
+    best: Best,
     kernel: PhantomData<K>,
 }
 
 impl<K: Kernel> Visitor for Triangles<'_, K> {
     #[inline(always)]
-    fn visit(&mut self, leaf: usize, end: f32) -> f32 {
-        meet_leaf::<K>(&self.tree.leaves[leaf], self.prepared, end, &mut self.best);
-        self.best.t
+    fn visit(&mut self, leaf: usize, _end: f32) -> f32 {
+        meet_leaf::<K>(&self.tree.leaves[leaf], self.prepared, &mut self.best);
+        self.best.end()
     }
 }
 
-impl<K: Kernel> AnyVisitor for Triangles<'_, K> {
+/// The same where any will do.
+struct AnyTriangle<'a, K> {
+    tree: &'a WideTree,
+    prepared: &'a Prepared,
+    end: f32,
+    is_sure: bool,
+    kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> AnyVisitor for AnyTriangle<'_, K> {
     #[inline(always)]
-    fn stops(&self, leaf: usize) -> bool {
-        let end = self.best.t;
-        let lanes = K::meet_triangles(&self.tree.leaves[leaf], self.prepared, end);
-        // A hit at the very end does not count.
-        (0..LEAF_SIZE).any(|lane| lanes.mask >> lane & 1 != 0 && lanes.t[lane] < end)
+    fn stops(&mut self, leaf: usize) -> bool {
+        let sight = look_into_leaf::<K>(&self.tree.leaves[leaf], self.prepared, self.end);
+        self.is_sure &= sight != Sight::Unsure;
+        sight == Sight::Stopped
+    }
+}
+
+/// The same where all are wanted.
+struct AllTriangles<'a, K> {
+    tree: &'a WideTree,
+    prepared: &'a Prepared,
+    first_triangle: u32,
+    end: f32,
+    visit: &'a mut dyn FnMut(&Crossing) -> f32,
+    kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Visitor for AllTriangles<'_, K> {
+    #[inline(always)]
+    fn visit(&mut self, leaf: usize, _end: f32) -> f32 {
+        let leaf = &self.tree.leaves[leaf];
+        let lanes = K::meet_triangles(leaf, self.prepared, self.end);
+        for lane in 0..LEAF_SIZE {
+            // Unused lanes repeat the first triangle.
+            let is_repeated = lane > 0 && leaf.triangles[lane] == leaf.triangles[0];
+            if lanes.mask >> lane & 1 == 0 || is_repeated {
+                continue;
+            }
+            let crossing = Crossing {
+                hit: Hit {
+                    t: lanes.t[lane],
+                    triangle: leaf.triangles[lane] + self.first_triangle,
+                    barycentrics: [lanes.v[lane], lanes.w[lane]],
+                },
+                slack: lanes.slack[lane],
+            };
+            self.end = self.end.min((self.visit)(&crossing));
+        }
+        self.end
     }
 }
 
@@ -364,7 +481,7 @@ impl<K: Kernel> AnyVisitor for Triangles<'_, K> {
 struct Inside<'a, K> {
     instances: &'a Instances,
     ray: &'a Ray,
-    best: Hit,
+    best: Best,
     kernel: PhantomData<K>,
 }
 
@@ -372,85 +489,77 @@ impl<K: Kernel> Visitor for Inside<'_, K> {
     #[inline(always)]
     fn visit(&mut self, leaf: usize, end: f32) -> f32 {
         let instance = &self.instances.instances[leaf];
-        let inside = instance.ray_inside(self.ray, end);
-        let mut hit = closest::<K>(&self.instances.meshes[instance.mesh], &inside);
-        if hit.is_there() {
-            hit.triangle += instance.first_triangle;
-            if hit.is_before(&self.best) {
-                self.best = hit;
-            }
-        }
-        self.best.t
+        let prepared = Prepared::inside(instance, self.ray, end);
+        let mesh = &self.instances.meshes[instance.mesh];
+        let found = closest_prepared::<K>(mesh, &prepared, end);
+        self.best.offer_all(&found, instance.first_triangle);
+        self.best.end()
     }
 }
 
-impl<K: Kernel> AnyVisitor for Inside<'_, K> {
-    #[inline(always)]
-    fn stops(&self, leaf: usize) -> bool {
-        let instance = &self.instances.instances[leaf];
-        let inside = instance.ray_inside(self.ray, self.best.t);
-        any::<K>(&self.instances.meshes[instance.mesh], &inside)
-    }
-}
-
-/// The triangles of a leaf, all that are met.
-struct All<'a, 'f, K> {
-    tree: &'a WideTree,
-    prepared: &'a Prepared,
-    found: &'f mut dyn FnMut(Hit),
-    kernel: PhantomData<K>,
-}
-
-impl<K: Kernel> Visitor for All<'_, '_, K> {
-    fn visit(&mut self, leaf: usize, end: f32) -> f32 {
-        let leaf = &self.tree.leaves[leaf];
-        let lanes = K::meet_triangles(leaf, self.prepared, end);
-        for lane in 0..LEAF_SIZE {
-            // Unused lanes repeat the first triangle; a hit at the very end does not count.
-            let is_used = lane == 0 || leaf.triangles[lane] != leaf.triangles[0];
-            if lanes.mask >> lane & 1 != 0 && is_used && lanes.t[lane] < end {
-                (self.found)(Hit {
-                    t: lanes.t[lane],
-                    triangle: leaf.triangles[lane],
-                    barycentrics: [lanes.v[lane], lanes.w[lane]],
-                });
-            }
-        }
-        end
-    }
-}
-
-/// The mesh of an instance, all of it that is met.
-struct AllInside<'a, 'f, K> {
+/// The same where any hit will do.
+struct AnyInside<'a, K> {
     instances: &'a Instances,
     ray: &'a Ray,
-    found: &'f mut dyn FnMut(Hit),
+    is_sure: bool,
     kernel: PhantomData<K>,
 }
 
-impl<K: Kernel> Visitor for AllInside<'_, '_, K> {
+impl<K: Kernel> AnyVisitor for AnyInside<'_, K> {
+    #[inline(always)]
+    fn stops(&mut self, leaf: usize) -> bool {
+        let instance = &self.instances.instances[leaf];
+        let end = self.ray.t_max();
+        let prepared = Prepared::inside(instance, self.ray, end);
+        let sight = any_prepared::<K>(&self.instances.meshes[instance.mesh], &prepared, end);
+        self.is_sure &= sight != Sight::Unsure;
+        sight == Sight::Stopped
+    }
+}
+
+/// The same where all are wanted.
+struct AllInside<'a, K> {
+    instances: &'a Instances,
+    ray: &'a Ray,
+    visit: &'a mut dyn FnMut(&Crossing) -> f32,
+    kernel: PhantomData<K>,
+}
+
+impl<K: Kernel> Visitor for AllInside<'_, K> {
+    #[inline(always)]
     fn visit(&mut self, leaf: usize, end: f32) -> f32 {
         let instance = &self.instances.instances[leaf];
-        let inside = instance.ray_inside(self.ray, end);
-        let found = &mut *self.found;
-        let mut found_inside = |hit: Hit| {
-            found(Hit {
-                triangle: hit.triangle + instance.first_triangle,
-                ..hit
-            });
+        let prepared = Prepared::inside(instance, self.ray, end);
+        let mesh = &self.instances.meshes[instance.mesh];
+        let mut all = AllTriangles::<K> {
+            tree: mesh,
+            prepared: &prepared,
+            first_triangle: instance.first_triangle,
+            end,
+            visit: &mut *self.visit,
+            kernel: PhantomData,
         };
-        each::<K>(
-            &self.instances.meshes[instance.mesh],
-            &inside,
-            &mut found_inside,
-        );
-        end
+        walk::<K>(mesh, &prepared, end, &mut all);
+        all.end
     }
 }
 
 impl Prepared {
     #[inline(always)]
     fn new(ray: &Ray) -> Self {
+        let reach = ray.origin().abs().max_element();
+        Self::reaching(ray, reach)
+    }
+
+    /// The ray in the space of an instance's mesh, before `end`.
+    #[inline(always)]
+    fn inside(instance: &Instance, ray: &Ray, end: f32) -> Self {
+        Self::reaching(&instance.ray_inside(ray, end), instance.reach(ray))
+    }
+
+    /// A ray of which the origin is rounded as coordinates of the size `reach` are.
+    #[inline(always)]
+    fn reaching(ray: &Ray, reach: f32) -> Self {
         let direction = ray.direction_and_one;
         let magnitude = direction.abs();
         // A huge but finite inverse keeps 0 · ∞ out of the slab test.
@@ -473,8 +582,23 @@ impl Prepared {
             near: [0, 1, 2].map(|axis| 2 * axis + (is_negative >> axis & 1)),
             axes: AXES[z],
             shear: [d[x] * scale, d[y] * scale, scale],
+            slack: slack_of_origin(reach, scale),
+            slack_of_depth: slack_of_depth(scale),
+            ends: [ray.leaves(), ray.aims_at()],
         }
     }
+}
+
+/// [`Prepared::slack`] from the largest coordinate of the origin and the inverse of the direction along the last axis.
+#[inline(always)]
+pub(super) fn slack_of_origin(reach: f32, scale: f32) -> f32 {
+    reach * ORIGIN_SLACK * scale.abs()
+}
+
+/// [`Prepared::slack_of_depth`] from the inverse of the direction along the last axis.
+#[inline(always)]
+pub(super) fn slack_of_depth(scale: f32) -> f32 {
+    DEPTH_SLACK * scale.abs()
 }
 
 /// The axes of the sheared frame, by the axis that the ray runs along most. Where it does so backwards, corners go around in the

@@ -38,6 +38,8 @@ pub(super) struct WideTree {
     pub(super) leaves: Vec<Leaf>,
     /// Wide nodes on the longest way down.
     pub(super) depth: usize,
+    /// The box around everything: minimum and maximum.
+    pub(super) bounds: [Vec3; 2],
     /// True if it is so big that most of it is not at hand in the processor's caches.
     pub(super) is_far: bool,
 }
@@ -59,7 +61,8 @@ pub(super) const EMPTY_NODE: Node = Node {
         [f32::INFINITY; WIDTH],
         [f32::NEG_INFINITY; WIDTH],
     ],
-    children: [0; WIDTH],
+    // A ray with numbers that are not finite may come here all the same: it finds a leaf, and never the root again.
+    children: [LEAF; WIDTH],
 };
 
 /// A leaf without triangles.
@@ -70,7 +73,7 @@ pub(super) const EMPTY_LEAF: Leaf = Leaf {
 
 impl WideTree {
     /// The box around everything: minimum and maximum.
-    pub(super) fn bounds(&self) -> [Vec3; 2] {
+    fn bounds(&self) -> [Vec3; 2] {
         let side = |side: usize, pick: fn(f32, f32) -> f32, start: f32| {
             Vec3::from_array([0, 1, 2].map(|axis| {
                 let rows = self.nodes.first().map(|root| root.bounds[2 * axis + side]);
@@ -111,6 +114,7 @@ impl WideTree {
     /// The same, knowing how big it is.
     pub(super) fn measured(self) -> Self {
         Self {
+            bounds: self.bounds(),
             is_far: self.n_bytes() > FAR_BYTES,
             ..self
         }

@@ -18,26 +18,48 @@ pub use light::{Light, LightChoice, Lights, Receiver};
 use glam::Vec3;
 
 use crate::math::Ray;
-use crate::math::ray::offset_point;
+use crate::math::ray::NO_TRIANGLE;
 use crate::radiometry::Rgb;
 
-/// A point of a surface, with what is known of its rounding error.
+/// A point of a surface, right to the rounding of its coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
     /// World space, metres.
     pub position: Vec3,
-    /// Bound of the rounding error of the position, metres.
-    pub error: f32,
+    /// Index of the triangle that it is on, or [`NO_TRIANGLE`](crate::math::ray::NO_TRIANGLE).
+    pub triangle: u32,
     /// Geometric normal, unit, towards the front side.
     pub ng: Vec3,
 }
 
 impl SurfacePoint {
-    /// The point, moved off the surface to the side of `towards`.
+    /// No point at all.
+    pub(crate) const NOWHERE: Self = Self {
+        position: Vec3::ZERO,
+        triangle: NO_TRIANGLE,
+        ng: Vec3::ZERO,
+    };
+
+    /// The ray that leaves it along `direction`, unit.
     #[inline(always)]
     #[must_use]
-    pub fn off_surface(&self, towards: Vec3) -> Vec3 {
-        offset_point(self.position, self.error, self.ng, towards)
+    pub fn ray(&self, direction: Vec3) -> Ray {
+        Ray::new(self.position, direction).leaving(self.triangle)
+    }
+
+    /// The ray from here to another point of a surface. It measures in their distance, so that it waits for no root and no
+    /// division.
+    #[inline(always)]
+    #[must_use]
+    pub fn segment_to(&self, to: &Self) -> Ray {
+        self.segment(to.position).aimed_at(to.triangle)
+    }
+
+    /// The ray from here to a point that is on no surface.
+    #[inline(always)]
+    #[must_use]
+    pub fn segment(&self, to: Vec3) -> Ray {
+        Ray::with_end(self.position, to - self.position, 1.0).leaving(self.triangle)
     }
 }
 
@@ -84,8 +106,8 @@ impl Spread {
 pub struct Start {
     /// Where it starts, world space.
     pub position: Vec3,
-    /// Bound of the rounding error of the position, metres.
-    pub error: f32,
+    /// Index of the triangle that it is on, or [`NO_TRIANGLE`](crate::math::ray::NO_TRIANGLE).
+    pub triangle: u32,
     /// Normal of the endpoint there (the direction itself where there is no surface).
     pub ng: Vec3,
     /// Direction of the ray, unit.
@@ -129,16 +151,16 @@ impl Start {
     pub fn point(&self) -> SurfacePoint {
         SurfacePoint {
             position: self.position,
-            error: self.error,
+            triangle: self.triangle,
             ng: self.ng,
         }
     }
 
-    /// The ray, moved off the surface that it starts on.
+    /// The ray.
     #[inline(always)]
     #[must_use]
     pub fn ray(&self) -> Ray {
-        Ray::new(self.point().off_surface(self.direction), self.direction)
+        self.point().ray(self.direction)
     }
 }
 

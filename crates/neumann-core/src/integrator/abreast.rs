@@ -104,7 +104,7 @@ impl PathLanes<'_> {
         throughput: Rgb,
     ) {
         self.throughput.set_if(is_abreast, lane, throughput);
-        let (origin, direction) = samples.ray(lane);
+        let (origin, direction) = (samples.origin(lane), samples.direction(lane));
         self.rays.replace(lane, is_abreast, origin, direction);
         let bounce = self.bounce.get(lane) + u32::from(is_abreast);
         self.bounce.set(lane, bounce);

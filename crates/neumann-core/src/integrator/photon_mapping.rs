@@ -9,13 +9,13 @@
 //! new map with a smaller radius in each iteration (the probabilistic form of Knaus and Zwicker 2011), so that
 //! the mean converges to the true image.
 
+use crate::accel::Hit;
 use crate::endpoint::{Aim, LightChoice};
 use crate::film::{Contribution, PhotonReport, Strategy};
 use crate::integrator::{
     Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
 };
 use crate::math::Ray;
-use crate::math::ray::offset_point;
 use crate::photons::{HashGrid, Kernel, Near, Photon};
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass, Sink};
@@ -546,24 +546,14 @@ fn show_photons(
 
 /// True if nothing but glass is between a photon and the lens; glass is looked through as if it were not there.
 fn is_seen(tracer: &mut Tracer<'_>, photon: &Photon, aim: &Aim) -> bool {
-    let origin = offset_point(photon.position, photon.error, photon.ng, aim.wi);
-    let mut ray = Ray::new(origin, aim.wi);
-    let mut rest = aim.distance;
-    // More panes than this are taken for a wall.
-    for _ in 0..16 {
-        let Some(vertex) = tracer.vertex(&ray) else {
-            return true;
-        };
-        if vertex.distance >= rest {
-            return true;
-        }
-        if !vertex.bsdf.is_transmissive() {
-            return false;
-        }
-        rest -= vertex.distance;
-        ray = vertex.ray(aim.wi);
-    }
-    false
+    let point = photon.point();
+    let ray = point.segment(point.position + aim.wi * aim.distance);
+    let met = tracer.crossings(&ray);
+    let is_open = |hit: &Hit| {
+        let vertex = tracer.surface_vertex(&ray, hit);
+        vertex.bsdf.is_transmissive() || vertex.opacity <= 0.0
+    };
+    met.iter().all(is_open)
 }
 
 /// Colours that can be told apart without seeing red from green: Okabe and Ito 2008, linear.

@@ -48,6 +48,15 @@ impl Lanes<f32> {
     }
 }
 
+impl Lanes<u32> {
+    /// Sets a lane if `is_set`, without a branch.
+    #[inline(always)]
+    pub(crate) fn set_if(&mut self, is_set: bool, lane: usize, value: u32) {
+        let mask = u32::from(is_set).wrapping_neg();
+        self.0[lane] = value & mask | self.0[lane] & !mask;
+    }
+}
+
 impl Vec3Lanes {
     #[inline(always)]
     pub(crate) fn axes(&self) -> [&Lanes<f32>; 3] {

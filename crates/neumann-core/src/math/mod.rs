@@ -4,6 +4,7 @@ pub mod frame;
 pub(crate) mod lanes;
 mod prefetch;
 pub mod ray;
+pub mod triangle;
 
 pub use frame::Frame;
 pub(crate) use prefetch::prefetch;

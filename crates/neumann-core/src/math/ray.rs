@@ -1,17 +1,27 @@
-//! Rays, and how a new one leaves a surface without meeting it again.
+//! Rays: lines that know where they start and end.
+//!
+//! A ray that starts on a triangle starts at the very point, and is told which triangle that is: it is not met again, and
+//! nothing is moved to get away from it. So is a ray that ends on one.
 
 use glam::{Vec3, Vec4};
 
+/// In the place of a triangle's index: none.
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
 /// A half-line or segment in world space.
 ///
-/// It is kept as two whole vectors, as the traversal reads it: written to memory in pieces of other sizes, it could
-/// not be read until it is in the cache.
+/// Place and direction are kept as two whole vectors, as the traversal reads them: written to memory in pieces of other
+/// sizes, they could not be read until they are in the cache.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     /// Where it starts, and the distance where it ends.
     origin_and_end: Vec4,
     /// Where it goes, and 1. Unit, unless it was made to measure in another length.
     pub(crate) direction_and_one: Vec4,
+    /// The triangle that it starts on,
+    leaves: u32,
+    /// and the one that it ends on.
+    aims_at: u32,
 }
 
 impl Ray {
@@ -30,6 +40,38 @@ impl Ray {
         Self {
             origin_and_end: origin.extend(t_max),
             direction_and_one: direction.extend(1.0),
+            leaves: NO_TRIANGLE,
+            aims_at: NO_TRIANGLE,
+        }
+    }
+
+    /// The same ray, which starts on a triangle and does not meet it.
+    #[inline(always)]
+    #[must_use]
+    pub fn leaving(self, triangle: u32) -> Self {
+        Self {
+            leaves: triangle,
+            ..self
+        }
+    }
+
+    /// The same ray with another end.
+    #[inline(always)]
+    #[must_use]
+    pub fn ending(self, t_max: f32) -> Self {
+        Self {
+            origin_and_end: self.origin().extend(t_max),
+            ..self
+        }
+    }
+
+    /// The same ray, which ends on a triangle and does not meet it.
+    #[inline(always)]
+    #[must_use]
+    pub fn aimed_at(self, triangle: u32) -> Self {
+        Self {
+            aims_at: triangle,
+            ..self
         }
     }
 
@@ -54,22 +96,24 @@ impl Ray {
         self.origin_and_end.w
     }
 
+    /// The triangle that it starts on, or [`NO_TRIANGLE`].
+    #[inline(always)]
+    #[must_use]
+    pub fn leaves(&self) -> u32 {
+        self.leaves
+    }
+
+    /// The triangle that it ends on, or [`NO_TRIANGLE`].
+    #[inline(always)]
+    #[must_use]
+    pub fn aims_at(&self) -> u32 {
+        self.aims_at
+    }
+
     /// The point at distance `t`.
     #[inline]
     #[must_use]
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin() + self.direction() * t
     }
-}
-
-/// Moves a surface point off its surface, to the side of `towards`.
-///
-/// `error` bounds the rounding error of `p` along any axis, in metres; the
-/// point is moved along the geometric normal by what that error amounts to, so
-/// the offset grows and shrinks with the scene (\[PBR4\] 6.8.6 does the same with
-/// an error bound per axis).
-#[inline]
-#[must_use]
-pub fn offset_point(p: Vec3, error: f32, ng: Vec3, towards: Vec3) -> Vec3 {
-    p + ng * error.copysign(ng.dot(towards))
 }

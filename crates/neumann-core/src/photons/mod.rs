@@ -13,6 +13,7 @@ pub use kernel::Kernel;
 use glam::Vec3;
 
 use crate::bsdf::TransportMode;
+use crate::endpoint::SurfacePoint;
 use crate::radiometry::Rgb;
 use crate::transport::{Scattering, SurfaceVertex};
 
@@ -21,8 +22,8 @@ use crate::transport::{Scattering, SurfaceVertex};
 pub struct Photon {
     /// Where it landed, world space.
     pub position: Vec3,
-    /// Bound of the rounding error of the position, metres.
-    pub error: f32,
+    /// Index of the triangle that it landed on.
+    pub triangle: u32,
     /// Geometric normal there, unit.
     pub ng: Vec3,
     /// Direction to where it came from, unit.
@@ -56,6 +57,17 @@ pub struct Scattered {
 const SAME_SURFACE: f32 = 0.7;
 
 impl Photon {
+    /// Where it landed, as a point of a surface.
+    #[inline]
+    #[must_use]
+    pub fn point(&self) -> SurfacePoint {
+        SurfacePoint {
+            position: self.position,
+            triangle: self.triangle,
+            ng: self.ng,
+        }
+    }
+
     /// `f(wo, w_j) Φ_j` at a point that the photon is taken to have hit, to be multiplied by a kernel; `None` if it
     /// belongs to another surface or nothing is scattered. Power per area is irradiance under the geometric normal,
     /// so that the BSDF's cosine with the shading normal is divided by that ([Veach 1997] 5.3).

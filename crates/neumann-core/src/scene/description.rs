@@ -337,6 +337,41 @@ pub struct Lens {
     pub focus_distance: f32,
 }
 
+/// Lengths that a camera can have, metres: from those of atoms to those of planetary systems. Rays of others would not be finite.
+pub const CAMERA_LENGTHS: std::ops::RangeInclusive<f32> = 1e-12..=1e12;
+
+impl Lens {
+    /// How many times as wide as the distance of its focus it may be.
+    pub const WIDEST: f32 = 1000.0;
+
+    /// What cannot be of it, if anything is not as it must be.
+    #[must_use]
+    pub fn fault(&self) -> Option<String> {
+        let Self {
+            aperture,
+            focus_distance,
+        } = *self;
+        let is_length = |x: f32| CAMERA_LENGTHS.contains(&x);
+        if !is_length(aperture) {
+            return Some(format!(
+                "an aperture of {aperture} m is not between 1e-12 and 1e12 m"
+            ));
+        }
+        if !is_length(focus_distance) {
+            return Some(format!(
+                "a focus at {focus_distance} m is not between 1e-12 and 1e12 m"
+            ));
+        }
+        (aperture > Self::WIDEST * focus_distance).then(|| {
+            format!(
+                "an aperture of {aperture} m is more than {} times the distance of its focus, \
+                 {focus_distance} m",
+                Self::WIDEST
+            )
+        })
+    }
+}
+
 /// Light from infinitely far away, in lat-long form.
 ///
 /// `u = 1/2 + atan2(x, -z) / 2π`, `v = acos(y) / π`: the centre of the map is

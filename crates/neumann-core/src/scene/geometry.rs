@@ -5,8 +5,10 @@ use std::sync::Arc;
 use glam::{Affine3A, Mat3, Mat4, Vec2, Vec3, Vec4};
 
 use super::build;
-use crate::accel::{Bvh, TreeQuality};
+use crate::accel::{Bvh, Hit, TreeQuality};
+use crate::math::lanes::select;
 use crate::math::prefetch;
+use crate::math::triangle::point_between;
 
 /// All triangles of a scene.
 #[derive(Debug)]
@@ -26,10 +28,8 @@ pub struct Geometry {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Facet {
-    /// First corner, world space, metres.
-    pub corner: Vec3,
-    /// From the first corner to the second and the third.
-    pub edges: [Vec3; 2],
+    /// World space, metres.
+    pub corners: [Vec3; 3],
     /// Normal, unit, towards the front side.
     pub ng: Vec3,
     /// Index of its mesh.
@@ -41,11 +41,10 @@ impl Facet {
     /// A facet of mesh number `mesh` between three of its vertices, at corners that span an area.
     #[must_use]
     pub fn new(corners: &[Vec3; 3], mesh: u32, vertices: [u32; 3]) -> Self {
-        let edges = [corners[1] - corners[0], corners[2] - corners[0]];
+        let [to_second, to_third] = [corners[1] - corners[0], corners[2] - corners[0]];
         Self {
-            corner: corners[0],
-            edges,
-            ng: edges[0].cross(edges[1]).normalize_or(Vec3::Y),
+            corners: *corners,
+            ng: to_second.cross(to_third).normalize_or(Vec3::Y),
             mesh,
             vertices,
         }
@@ -53,10 +52,9 @@ impl Facet {
 
     /// A facet of which only place and shape matter.
     #[inline(always)]
-    pub(crate) fn new_at(corner: Vec3, edges: [Vec3; 2], ng: Vec3) -> Self {
+    pub(crate) fn new_at(corners: [Vec3; 3], ng: Vec3) -> Self {
         Self {
-            corner,
-            edges,
+            corners,
             ng,
             mesh: 0,
             vertices: [0; 3],
@@ -70,22 +68,56 @@ impl Facet {
         self.vertices.map(|v| v as usize)
     }
 
-    /// Bound of the rounding error of points on it, metres.
+    /// From the first corner to the second and the third.
     #[inline]
     #[must_use]
-    pub fn error(&self) -> f32 {
-        let [to_second, to_third] = self.edges;
-        let corner = self.corner;
-        position_error(&[corner, corner + to_second, corner + to_third])
+    pub fn edges(&self) -> [Vec3; 2] {
+        let [a, b, c] = self.corners;
+        [b - a, c - a]
     }
 
     /// The point with the given barycentric coordinates of the second and third corner.
     #[inline]
     #[must_use]
     pub fn at(&self, b: [f32; 2]) -> Vec3 {
-        self.corner + self.edges[0] * b[0] + self.edges[1] * b[1]
+        point_between(&self.corners, b)
+    }
+
+    /// Where a ray meets it, as exactly as single precision can say, however large the facet is. Barycentric
+    /// coordinates decide where the ray runs along the facet, as far as can be told.
+    #[inline(always)]
+    pub(crate) fn met_by(&self, origin: Vec3, direction: Vec3, hit: &Hit) -> MetAt {
+        let [a, b, c] = self.corners.map(Vec3::as_dvec3);
+        let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
+        let normal = (b - a).cross(c - a);
+        let t = normal.dot(a - origin) / normal.dot(direction);
+        let met = (origin + direction * t).as_vec3();
+        let otherwise = self.at(hit.barycentrics);
+        let is_met = t.abs() < f64::MAX;
+        let position = [0, 1, 2].map(|i| select(is_met, met[i], otherwise[i]));
+        let distance = select(is_met, t as f32, hit.t);
+        MetAt {
+            position: position.into(),
+            distance: if distance > LEAST_DISTANCE {
+                distance
+            } else {
+                LEAST_DISTANCE
+            },
+        }
     }
 }
+
+/// Where a ray meets a facet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MetAt {
+    /// World space, metres.
+    pub(crate) position: Vec3,
+    /// In lengths of the ray's direction.
+    pub(crate) distance: f32,
+}
+
+/// Distance between surfaces that touch, metres: its square is still a number.
+const LEAST_DISTANCE: f32 = 1e-15;
 
 /// A mesh that stands in the world.
 #[derive(Clone, Debug)]
@@ -261,18 +293,4 @@ where
 {
     let [v0, v1, v2] = values;
     v0 * (1.0 - b[0] - b[1]) + v1 * b[0] + v2 * b[1]
-}
-
-/// Bound of the rounding error of a point on a triangle, metres: what interpolation of its
-/// corners and the ray-triangle test lose, with room to spare. It grows with the distance from
-/// the origin, as the spacing of floating-point numbers does.
-#[inline]
-#[must_use]
-pub fn position_error(corners: &[Vec3; 3]) -> f32 {
-    let magnitude = corners[0]
-        .abs()
-        .max(corners[1].abs())
-        .max(corners[2].abs())
-        .max_element();
-    32.0 * f32::EPSILON * magnitude
 }

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::appearance::Appearance;
 use super::description::{LightDescription, LightKind};
-use super::geometry::{Geometry, PlacedMesh, position_error};
+use super::geometry::{Geometry, PlacedMesh};
 use crate::endpoint::Lights;
 use crate::endpoint::light::{
     AreaLight, Bounds, DirectionalLight, Emission, EnvironmentLight, Light, PointLight, SpotLight,
@@ -78,7 +78,6 @@ pub(super) fn lights(
                 corners,
                 emission,
                 is_double_sided,
-                position_error(&corners),
             )));
         }
     }
@@ -97,7 +96,7 @@ pub(super) fn lights(
     let n_triangles = lights
         .iter()
         .map(|light| match light {
-            Light::Area(area) => area.triangle as usize + 1,
+            Light::Area(area) => area.triangle() as usize + 1,
             _ => 0,
         })
         .max();

@@ -374,7 +374,7 @@ vectorized! {
             let vertex = vertices.vertex(lane);
             let found = vertex.f_cos_and_pdf_w(wi, mode);
             let is_aimed = seen.choice.is_aimed.get(lane) != 0;
-            samples.replace(is_aimed, lane, &vertex.point, wi, found);
+            samples.replace(is_aimed, lane, wi, found);
         }
         let (wi, pdf_w) = samples.drawn();
         mix(seen, wi, pdf_w);

@@ -57,8 +57,7 @@ impl<'a> DiffuseHit<'a> {
 /// Diffuse vertices, one in each lane.
 pub(crate) struct DiffuseVertices<'a> {
     // What is read.
-    corner: Vec3Lanes,
-    edges: [Vec3Lanes; 2],
+    corners: [Vec3Lanes; 3],
     ng: Vec3Lanes,
     normal: Vec3Lanes,
     is_smooth: Lanes<u32>,
@@ -70,7 +69,7 @@ pub(crate) struct DiffuseVertices<'a> {
     // What is computed of it.
     wo: Vec3Lanes,
     position: Vec3Lanes,
-    error: Lanes<f32>,
+    distance: Lanes<f32>,
     ns: Vec3Lanes,
     /// `ns` on the side of `wo`.
     facing: Vec3Lanes,
@@ -80,8 +79,7 @@ impl<'a> DiffuseVertices<'a> {
     /// Room for vertices of a scene, with nothing in it.
     pub(crate) fn new(scene: &'a Scene) -> Self {
         Self {
-            corner: Vec3Lanes::default(),
-            edges: [Vec3Lanes::default(); 2],
+            corners: [Vec3Lanes::default(); 3],
             ng: Vec3Lanes::default(),
             normal: Vec3Lanes::default(),
             is_smooth: Lanes::default(),
@@ -93,7 +91,7 @@ impl<'a> DiffuseVertices<'a> {
             materials: [&scene.materials()[0]; LANES],
             wo: Vec3Lanes::default(),
             position: Vec3Lanes::default(),
-            error: Lanes::default(),
+            distance: Lanes::default(),
             ns: Vec3Lanes::default(),
             facing: Vec3Lanes::default(),
         }
@@ -103,9 +101,9 @@ impl<'a> DiffuseVertices<'a> {
     #[inline(always)]
     pub(crate) fn set(&mut self, lane: usize, found: &DiffuseHit<'a>) {
         let DiffuseHit { hit, facet, .. } = found;
-        self.corner.set(lane, facet.corner);
-        self.edges[0].set(lane, facet.edges[0]);
-        self.edges[1].set(lane, facet.edges[1]);
+        for (corners, corner) in self.corners.iter_mut().zip(facet.corners) {
+            corners.set(lane, corner);
+        }
         self.ng.set(lane, facet.ng);
         self.normal.set(lane, found.normal.unwrap_or(facet.ng));
         self.is_smooth.set(lane, u32::from(found.normal.is_some()));
@@ -126,7 +124,7 @@ impl<'a> DiffuseVertices<'a> {
         self.albedo.set(lane, albedo);
         self.wo.set(lane, vertex.wo);
         self.position.set(lane, vertex.point.position);
-        self.error.set(lane, vertex.point.error);
+        self.triangle.set(lane, vertex.point.triangle);
         self.ng.set(lane, vertex.point.ng);
         self.ns.set(lane, vertex.frame.z);
         true
@@ -134,6 +132,7 @@ impl<'a> DiffuseVertices<'a> {
 
     /// Computes what follows from the hits of rays, for what is below.
     pub(crate) fn complete(&mut self, rays: &RayLanes) {
+        place(self, rays);
         complete(self, rays);
     }
 
@@ -161,13 +160,13 @@ impl<'a> DiffuseVertices<'a> {
         SurfaceVertex {
             point: SurfacePoint {
                 position: self.position.get(lane),
-                error: self.error.get(lane),
+                triangle: self.triangle.get(lane),
                 ng: self.ng.get(lane),
             },
             frame,
             wo,
             wo_local: frame.local_from_world(wo),
-            distance: self.t.get(lane),
+            distance: self.distance.get(lane),
             bsdf: Bsdf::Lambert(Lambert {
                 albedo: self.albedo.get(lane),
             }),
@@ -186,6 +185,7 @@ impl<'a> DiffuseVertices<'a> {
 pub(crate) struct DiffuseSamples {
     f_cos: RgbLanes,
     origin: Vec3Lanes,
+    leaves: Lanes<u32>,
     direction: Vec3Lanes,
     pdf_w: Lanes<f32>,
     is_drawn: Lanes<u32>,
@@ -198,10 +198,16 @@ impl DiffuseSamples {
         self.f_cos.get(lane) / self.pdf_w.get(lane)
     }
 
-    /// Origin and direction of the next ray.
+    /// Where the next ray starts, and on which triangle.
     #[inline(always)]
-    pub(crate) fn ray(&self, lane: usize) -> (Vec3, Vec3) {
-        (self.origin.get(lane), self.direction.get(lane))
+    pub(crate) fn origin(&self, lane: usize) -> (Vec3, u32) {
+        (self.origin.get(lane), self.leaves.get(lane))
+    }
+
+    /// Where it goes.
+    #[inline(always)]
+    pub(crate) fn direction(&self, lane: usize) -> Vec3 {
+        self.direction.get(lane)
     }
 
     /// What was drawn, if anything was.
@@ -226,20 +232,18 @@ impl DiffuseSamples {
         (&self.direction, &self.pdf_w)
     }
 
-    /// Puts a direction that was drawn elsewhere in the place of the lane's, if `is_set`, with what the surface at `point` makes of it.
+    /// Puts a direction that was drawn elsewhere in the place of the lane's, if `is_set`, with what the surface makes of it.
     #[inline(always)]
     pub(crate) fn replace(
         &mut self,
         is_set: bool,
         lane: usize,
-        point: &SurfacePoint,
         wi: Vec3,
         f_cos_and_pdf_w: Option<(Rgb, f32)>,
     ) {
         let is_drawn = u32::from(f_cos_and_pdf_w.is_some());
         let (f_cos, pdf_w) = f_cos_and_pdf_w.unwrap_or((Rgb::BLACK, 1.0));
         self.f_cos.set_if(is_set, lane, f_cos);
-        self.origin.set_if(is_set, lane, point.off_surface(wi));
         self.direction.set_if(is_set, lane, wi);
         self.pdf_w.set_if(is_set, lane, pdf_w);
         let before = self.is_drawn.get(lane);
@@ -272,9 +276,28 @@ vectorized! {
                 is_delta: false,
             });
             samples.f_cos.set(lane, sample.f_cos);
-            samples.origin.set(lane, vertex.point.off_surface(sample.wi));
+            samples.origin.set(lane, vertex.point.position);
+            samples.leaves.set(lane, vertex.point.triangle);
             samples.direction.set(lane, sample.wi);
             samples.pdf_w.set(lane, sample.pdf_w);
+        }
+    }
+}
+
+vectorized! {
+    /// Where the rays meet the facets. By itself, since it is done in double precision.
+    fn place(v: &mut DiffuseVertices<'_>, rays: &RayLanes) {
+        for lane in 0..LANES {
+            let corners = [0, 1, 2].map(|i| v.corners[i].get(lane));
+            let facet = Facet::new_at(corners, v.ng.get(lane));
+            let hit = Hit {
+                t: v.t.get(lane),
+                triangle: v.triangle.get(lane),
+                barycentrics: [v.barycentrics[0].get(lane), v.barycentrics[1].get(lane)],
+            };
+            let met = facet.met_by(rays.origin(lane), rays.direction(lane), &hit);
+            v.position.set(lane, met.position);
+            v.distance.set(lane, met.distance);
         }
     }
 }
@@ -283,17 +306,10 @@ vectorized! {
     fn complete(v: &mut DiffuseVertices<'_>, rays: &RayLanes) {
         for lane in 0..LANES {
             v.wo.set(lane, -rays.direction(lane));
-            let facet = Facet::new_at(
-                v.corner.get(lane),
-                [v.edges[0].get(lane), v.edges[1].get(lane)],
-                v.ng.get(lane),
-            );
-            let b = [v.barycentrics[0].get(lane), v.barycentrics[1].get(lane)];
-            v.position.set(lane, facet.at(b));
-            v.error.set(lane, facet.error());
-            let smooth = on_side(v.normal.get(lane), facet.ng);
+            let ng = v.ng.get(lane);
+            let smooth = on_side(v.normal.get(lane), ng);
             let is_smooth = v.is_smooth.get(lane) != 0;
-            v.ns.set(lane, if is_smooth { smooth } else { facet.ng });
+            v.ns.set(lane, if is_smooth { smooth } else { ng });
             v.facing.set(lane, v.vertex(lane).receiver().normal);
         }
     }

@@ -9,7 +9,7 @@
 
 use glam::Vec3;
 
-use super::tracer::{chance, shadow_ray, shadow_ray_between};
+use super::tracer::{chance, shadow_ray};
 use super::{SurfaceVertex, Tracer};
 use crate::accel::Hit;
 use crate::bsdf::{Bsdf, Walls};
@@ -78,6 +78,10 @@ impl Stop {
 
 /// Walls that are turned against each other by more than this do not coincide: cosine.
 const SAME_PLANE: f32 = 0.999;
+
+/// Walls are in one place if they are no farther from each other than this share of the largest coordinate: what rounding puts
+/// between them, with room to spare.
+const SAME_PLACE: f32 = 32.0 * f32::EPSILON;
 
 impl<'a> Tracer<'a> {
     /// What a ray that leaves the camera begins in.
@@ -150,7 +154,7 @@ impl<'a> Tracer<'a> {
         } else {
             self.stop(ray, found, media, throughput)?
         };
-        let mut vertex = self.surface_vertex(-ray.direction(), &stop.hit);
+        let mut vertex = self.surface_vertex(ray, &stop.hit);
         vertex.across = stop.across;
         if stop.indices != [0; 2] {
             self.put_between(&mut vertex, stop.indices);
@@ -178,8 +182,8 @@ impl<'a> Tracer<'a> {
         };
         if bodies.has_neighbours(wall.body as usize) {
             // Most often it is what stops the ray, or one of the walls in the same place is.
-            let end = hit.t + self.reach(hit, ray.direction());
-            let nearer = Ray::with_end(ray.origin(), ray.direction(), end.min(ray.t_max()));
+            let end = hit.t + self.reach(hit, ray);
+            let nearer = ray.ending(end.min(ray.t_max()));
             let mut likely = (*media, *throughput);
             if let Some(stop) = self.stop_behind_walls(&nearer, &mut likely.0, &mut likely.1) {
                 (*media, *throughput) = likely;
@@ -238,8 +242,7 @@ impl<'a> Tracer<'a> {
         if self.scene.bodies().is_empty() {
             return Rgb::splat(self.visibility(from, aim));
         }
-        let ray = shadow_ray(from, aim);
-        self.light_through(ray.as_ref(), aim.distance, media)
+        self.light_through(&shadow_ray(from, aim), aim.distance, media)
     }
 
     /// Share of light that gets from one point of a surface, on the side where `media` are, to
@@ -255,8 +258,7 @@ impl<'a> Tracer<'a> {
         if self.scene.bodies().is_empty() {
             return Rgb::splat(self.visibility_between(from, to));
         }
-        let ray = shadow_ray_between(from, to);
-        self.light_through(ray.as_ref(), distance, media)
+        self.light_through(&from.segment_to(to), distance, media)
     }
 
     /// Share of light that gets along a ray that begins in `media` so many metres far, where
@@ -266,8 +268,7 @@ impl<'a> Tracer<'a> {
         if !bodies.have_hidden_walls() {
             return bodies.transmittance(media, distance);
         }
-        let ray = Ray::with_end(ray.origin(), ray.direction(), distance);
-        self.light_through(Some(&ray), distance, media)
+        self.light_through(&ray.ending(distance), distance, media)
     }
 
     /// Share of light that gets along a ray that begins in `media` to its end, so many metres away.
@@ -276,15 +277,13 @@ impl<'a> Tracer<'a> {
         if self.scene.bodies().is_empty() {
             return Rgb::splat(self.transmittance(ray));
         }
-        self.light_through(Some(ray), distance, media)
+        self.light_through(ray, distance, media)
     }
 
-    /// The same, where no ray is needed for points at one place.
     #[inline(never)]
-    fn light_through(&mut self, ray: Option<&Ray>, distance: f32, media: Media) -> Rgb {
+    fn light_through(&mut self, ray: &Ray, distance: f32, media: Media) -> Rgb {
         let bodies = self.scene.bodies();
         let all = bodies.transmittance(media, distance);
-        let Some(ray) = ray else { return all };
         if !bodies.have_leaks() {
             let share = self.transmittance(ray);
             let has_hidden_walls = |body| bodies.has_neighbours(body);
@@ -324,13 +323,8 @@ impl<'a> Tracer<'a> {
 
     /// Everything on the way of a ray, the last first.
     fn all_hits(&mut self, ray: &Ray) -> Vec<Hit> {
-        self.count_ray();
-        let mut hits = Vec::new();
-        self.scene.bvh().each_hit(ray, &mut |hit| hits.push(hit));
-        hits.sort_unstable_by(|a, b| {
-            let by_distance = b.t.total_cmp(&a.t);
-            by_distance.then(b.triangle.cmp(&a.triangle))
-        });
+        let mut hits = self.crossings(ray);
+        hits.reverse();
         hits
     }
 
@@ -348,7 +342,7 @@ impl<'a> Tracer<'a> {
                 });
             };
             let is_entered = Bodies::is_entered(wall, ng, direction);
-            let reach = self.reach(&first, direction);
+            let reach = self.reach(&first, ray);
             if first.t <= reach && Bodies::is_crossed(media, wall, is_entered) {
                 continue;
             }
@@ -393,11 +387,14 @@ impl<'a> Tracer<'a> {
 
     /// How much farther along a ray other surfaces may be hit that are in the same place, by
     /// rounding; in lengths of its direction.
-    fn reach(&self, hit: &Hit, direction: Vec3) -> f32 {
+    fn reach(&self, hit: &Hit, ray: &Ray) -> f32 {
         let facet = self.scene.geometry().facet(hit.triangle);
+        let direction = ray.direction();
         let length = direction.length();
+        let largest = ray.origin().abs().max(facet.at(hit.barycentrics).abs());
+        let rounding = SAME_PLACE * largest.max_element();
         let cos = (facet.ng.dot(direction) / length).abs();
-        4.0 * facet.error() / (cos.max(0.01) * length)
+        rounding / (cos.max(0.01) * length)
     }
 
     /// Puts a surface between media of two indices of refraction, given by their numbers: in front

@@ -1,6 +1,7 @@
 //! Steps of paths: meeting a surface, asking who sees whom, one integral of reflection.
 
 pub mod casters;
+mod crossings;
 pub(crate) mod diffuse;
 mod medium;
 pub mod reflection;
@@ -8,5 +9,5 @@ mod tracer;
 mod vertex;
 
 pub use tracer::Tracer;
-pub(crate) use tracer::are_apart;
+pub(crate) use tracer::is_segment;
 pub use vertex::{Densities, Scattering, SurfaceVertex, VertexSample};

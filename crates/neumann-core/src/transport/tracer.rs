@@ -2,23 +2,20 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::SurfaceVertex;
-use crate::accel::{Hit, HitLanes, RayLanes};
+use super::{SurfaceVertex, crossings};
+use crate::accel::{Hit, HitLanes, RayLanes, Sight};
 use crate::bsdf::Bsdf;
 use crate::endpoint::{Aim, SurfacePoint};
 use crate::material::{Material, SurfaceInputs};
 use crate::math::lanes::{LANES, lanes_of};
-use crate::math::ray::offset_point;
 use crate::math::{Frame, Ray};
 use crate::radiometry::Rgb;
 use crate::scene::Scene;
 use crate::scene::bodies::Media;
-use crate::scene::geometry::{Facet, PlacedMesh, interpolate};
+use crate::scene::geometry::{Facet, MetAt, PlacedMesh, interpolate};
 
 /// Sets of texture coordinates that are read at a vertex.
 const N_UV_SETS: usize = 4;
-/// Surfaces with alpha that one ray passes at most.
-const MAX_PASSED: usize = 256;
 
 /// Traces rays through a scene and counts them.
 #[derive(Debug)]
@@ -64,11 +61,6 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Counts a ray that is traced elsewhere.
-    pub(super) fn count_ray(&mut self) {
-        self.n_rays += 1;
-    }
-
     /// Rays traced so far.
     #[must_use]
     pub fn n_rays(&self) -> u64 {
@@ -79,30 +71,44 @@ impl<'a> Tracer<'a> {
     #[inline(always)]
     pub fn vertex(&mut self, ray: &Ray) -> Option<SurfaceVertex<'a>> {
         let hit = self.hit(ray)?;
-        Some(self.surface_vertex(-ray.direction(), &hit))
+        Some(self.surface_vertex(ray, &hit))
     }
 
     /// The first surface that the ray meets; surfaces with alpha may let it pass.
     #[inline(always)]
     pub fn hit(&mut self, ray: &Ray) -> Option<Hit> {
         self.n_rays += 1;
-        let hit = self.scene.bvh().closest_hit(ray)?;
-        if !self.scene.has_alpha() {
-            return Some(hit);
+        let met = self.scene.bvh().meet(ray);
+        if !met.is_sure {
+            return self.first_that_stops(ray);
         }
-        self.first_that_stops(ray, hit)
+        let hit = met.hit?;
+        if self.scene.has_alpha() && self.opacity(&hit) < 1.0 {
+            return self.first_that_stops(ray);
+        }
+        Some(hit)
+    }
+
+    /// All surfaces that the ray meets before its end, in order, be they transparent or not. No limit is set to their number, and those
+    /// that touch each other all count.
+    pub fn crossings(&mut self, ray: &Ray) -> Vec<Hit> {
+        self.n_rays += 1;
+        crossings::all(self.scene, ray)
     }
 
     /// As [`Self::hit`], of the rays of all lanes.
     #[inline]
     pub(crate) fn hits(&mut self, rays: &RayLanes) -> HitLanes {
         self.n_rays += u64::from(rays.mask().count_ones());
-        let mut found = self.scene.bvh().closest_hits(rays);
+        let (mut found, mut open) = self.scene.bvh().closest_hits(rays);
         if self.scene.has_alpha() {
             for lane in lanes_of(rays.mask()) {
-                found[lane] =
-                    found[lane].and_then(|hit| self.first_that_stops(&rays.get(lane), hit));
+                let is_open = found[lane].is_some_and(|hit| self.opacity(&hit) < 1.0);
+                open |= u32::from(is_open) << lane;
             }
+        }
+        for lane in lanes_of(open) {
+            found[lane] = self.first_that_stops(&rays.get(lane));
         }
         // What is to be read there next, so that all lanes wait for it together.
         for hit in found.iter().flatten() {
@@ -122,46 +128,43 @@ impl<'a> Tracer<'a> {
             return shares;
         }
         self.n_rays += u64::from(rays.mask().count_ones());
-        let occluded = self.scene.bvh().occluded(rays);
-        std::array::from_fn(|lane| f32::from(u8::from(occluded >> lane & 1 == 0)))
+        let sight = self.scene.bvh().occluded(rays);
+        let stopped = sight.stopped;
+        let mut shares = std::array::from_fn(|lane| f32::from(u8::from(stopped >> lane & 1 == 0)));
+        for lane in lanes_of(sight.unsure) {
+            shares[lane] = self.transmittance_of_all(&rays.get(lane));
+        }
+        shares
     }
 
     /// Share of light that gets along `wi` from a surface to what was aimed at, 0 if something is
     /// in the way.
     #[inline]
     pub fn visibility(&mut self, from: &SurfacePoint, aim: &Aim) -> f32 {
-        shadow_ray(from, aim).map_or(1.0, |ray| self.transmittance(&ray))
+        self.transmittance(&shadow_ray(from, aim))
     }
 
     /// Share of light that gets from one point of a surface to another.
     #[inline]
     pub fn visibility_between(&mut self, from: &SurfacePoint, to: &SurfacePoint) -> f32 {
-        shadow_ray_between(from, to).map_or(1.0, |ray| self.transmittance(&ray))
+        self.transmittance(&from.segment_to(to))
     }
 
     /// Share of light that gets along the ray to its end.
     #[inline(always)]
     pub fn transmittance(&mut self, ray: &Ray) -> f32 {
+        if !is_segment(ray) {
+            return 1.0;
+        }
         self.n_rays += 1;
-        if !self.scene.has_alpha() {
-            return f32::from(u8::from(!self.scene.bvh().is_occluded(ray)));
+        if self.scene.has_alpha() {
+            return self.transmittance_of_all(ray);
         }
-        let mut rest = *ray;
-        let mut share = 1.0;
-        for _ in 0..MAX_PASSED {
-            let Some(hit) = self.scene.bvh().closest_hit(&rest) else {
-                return share;
-            };
-            if hit.t >= rest.t_max() {
-                return share;
-            }
-            share *= 1.0 - self.opacity(&hit);
-            if share <= 0.0 {
-                return 0.0;
-            }
-            rest = self.beyond(&rest, &hit);
+        match self.scene.bvh().look(ray) {
+            Sight::Clear => 1.0,
+            Sight::Stopped => 0.0,
+            Sight::Unsure => self.transmittance_of_all(ray),
         }
-        share
     }
 
     /// Radiance that a vertex emits towards its `wo`, not counting unlit surfaces.
@@ -198,56 +201,75 @@ impl<'a> Tracer<'a> {
     /// The surface at barycentric coordinates of a triangle, seen from the direction `wo`; the distance is unknown, 0.
     #[must_use]
     pub fn surface_at(&self, triangle: u32, barycentrics: [f32; 2], wo: Vec3) -> SurfaceVertex<'a> {
-        let hit = Hit {
-            t: 0.0,
-            triangle,
-            barycentrics,
+        let facet = self.scene.geometry().facet(triangle);
+        let met = MetAt {
+            position: facet.at(barycentrics),
+            distance: 0.0,
         };
-        self.surface_vertex(wo, &hit)
+        self.vertex_on(&facet, triangle, barycentrics, &met, wo)
     }
 
-    /// The same between media whose indices of refraction have these numbers
+    /// The same at a point of which the place is known as well, between media whose indices of refraction have these numbers
     /// ([`SurfaceVertex::indices`]).
     #[inline]
-    pub(crate) fn surface_between(
+    pub(crate) fn surface_at_point(
         &self,
-        triangle: u32,
+        point: &SurfacePoint,
         barycentrics: [f32; 2],
         wo: Vec3,
         indices: [u8; 2],
     ) -> SurfaceVertex<'a> {
-        let mut vertex = self.surface_at(triangle, barycentrics, wo);
+        let facet = self.scene.geometry().facet(point.triangle);
+        let met = MetAt {
+            position: point.position,
+            distance: 0.0,
+        };
+        let mut vertex = self.vertex_on(&facet, point.triangle, barycentrics, &met, wo);
         if indices != [0; 2] {
             self.put_between(&mut vertex, indices);
         }
         vertex
     }
 
-    /// The surface where a ray that came against `wo` was stopped.
+    /// The surface where a ray was stopped.
     #[inline(always)]
     #[must_use]
-    pub fn surface_vertex(&self, wo: Vec3, hit: &Hit) -> SurfaceVertex<'a> {
+    pub fn surface_vertex(&self, ray: &Ray, hit: &Hit) -> SurfaceVertex<'a> {
+        let facet = self.scene.geometry().facet(hit.triangle);
+        let met = facet.met_by(ray.origin(), ray.direction(), hit);
+        let wo = -ray.direction();
+        self.vertex_on(&facet, hit.triangle, hit.barycentrics, &met, wo)
+    }
+
+    #[inline(always)]
+    fn vertex_on(
+        &self,
+        facet: &Facet,
+        triangle: u32,
+        barycentrics: [f32; 2],
+        met: &MetAt,
+        wo: Vec3,
+    ) -> SurfaceVertex<'a> {
         let geometry = self.scene.geometry();
-        let facet = geometry.facet(hit.triangle);
         let mesh = &geometry.meshes()[facet.mesh as usize];
         let material = &self.scene.materials()[mesh.material as usize];
         let vertex = |ns: Vec3, bsdf: Bsdf, opacity: f32| {
             let frame = Frame::from_z(ns);
             SurfaceVertex {
                 point: SurfacePoint {
-                    position: facet.at(hit.barycentrics),
-                    error: facet.error(),
+                    position: met.position,
+                    triangle,
                     ng: facet.ng,
                 },
                 frame,
                 wo,
                 wo_local: frame.local_from_world(wo),
-                distance: hit.t,
+                distance: met.distance,
                 bsdf,
                 material,
                 opacity,
-                triangle: hit.triangle,
-                barycentrics: hit.barycentrics,
+                triangle,
+                barycentrics,
                 across: Media::VACUUM,
                 indices: [0; 2],
             }
@@ -256,14 +278,14 @@ impl<'a> Tracer<'a> {
             Some(bsdf) if mesh.arrays.colors.is_none() => {
                 let ns = if mesh.arrays.normals.is_some() {
                     let vertices = facet.vertices();
-                    smooth_normal(mesh, vertices, hit.barycentrics, facet.ng)
+                    smooth_normal(mesh, vertices, barycentrics, facet.ng)
                 } else {
                     facet.ng
                 };
                 vertex(ns, *bsdf, 1.0)
             }
             _ => {
-                let surface = self.varying_surface(hit, &facet, material);
+                let surface = self.varying_surface(barycentrics, facet, material);
                 vertex(surface.ns, surface.bsdf, surface.opacity)
             }
         }
@@ -271,20 +293,18 @@ impl<'a> Tracer<'a> {
 
     /// What textures and vertices make of a surface at a point.
     #[inline(never)]
-    fn varying_surface(&self, hit: &Hit, facet: &Facet, material: &Material) -> Surface {
+    fn varying_surface(
+        &self,
+        barycentrics: [f32; 2],
+        facet: &Facet,
+        material: &Material,
+    ) -> Surface {
         let geometry = self.scene.geometry();
         let mesh = &geometry.meshes()[facet.mesh as usize];
         let vertices = facet.vertices();
-        let attributes = attributes(mesh, vertices, hit.barycentrics);
+        let attributes = attributes(mesh, vertices, barycentrics);
         Surface {
-            ns: shading_normal(
-                mesh,
-                vertices,
-                facet,
-                hit.barycentrics,
-                material,
-                &attributes,
-            ),
+            ns: shading_normal(mesh, vertices, facet, barycentrics, material, &attributes),
             bsdf: material.bsdf(&attributes.inputs()),
             opacity: if material.has_alpha() {
                 material.opacity(&attributes.inputs())
@@ -294,22 +314,21 @@ impl<'a> Tracer<'a> {
         }
     }
 
+    /// The first surface that stops the ray, where that takes more than to ask for the first one. Whether a surface stops it
+    /// depends on no other one, so that all are passed on one way through the tree.
     #[cold]
-    fn first_that_stops(&self, ray: &Ray, mut hit: Hit) -> Option<Hit> {
-        let mut rest = *ray;
-        let mut passed = 0.0;
-        for _ in 0..MAX_PASSED {
-            let opacity = self.opacity(&hit);
-            if opacity >= 1.0 || (opacity > 0.0 && chance(ray, hit.triangle) < opacity) {
-                hit.t += passed;
-                return Some(hit);
-            }
-            let next = self.beyond(&rest, &hit);
-            passed += distance_along(ray, rest.origin(), next.origin());
-            rest = next;
-            hit = self.scene.bvh().closest_hit(&rest)?;
-        }
-        None
+    #[inline(never)]
+    fn first_that_stops(&self, ray: &Ray) -> Option<Hit> {
+        crossings::first(self.scene, ray, |hit| {
+            let opacity = self.opacity(hit);
+            opacity >= 1.0 || (opacity > 0.0 && chance(ray, hit.triangle) < opacity)
+        })
+    }
+
+    /// Share of light that gets along the ray through all surfaces: a product, in whatever order they come.
+    #[inline(never)]
+    fn transmittance_of_all(&self, ray: &Ray) -> f32 {
+        crossings::transmittance(self.scene, ray, |hit| 1.0 - self.opacity(hit))
     }
 
     pub(super) fn opacity(&self, hit: &Hit) -> f32 {
@@ -323,54 +342,22 @@ impl<'a> Tracer<'a> {
         let vertices = facet.vertices();
         material.opacity(&attributes(mesh, vertices, hit.barycentrics).inputs())
     }
-
-    /// The rest of a ray behind a surface that it passes.
-    fn beyond(&self, ray: &Ray, hit: &Hit) -> Ray {
-        let facet = self.scene.geometry().facet(hit.triangle);
-        let position = facet.at(hit.barycentrics);
-        let origin = offset_point(position, facet.error(), facet.ng, ray.direction());
-        let t_max = ray.t_max() - distance_along(ray, ray.origin(), origin);
-        Ray::with_end(origin, ray.direction(), t_max)
-    }
 }
 
-/// The ray from a surface to what was aimed at, if they are apart.
+/// The ray from a surface to what was aimed at.
 #[inline(always)]
-pub(super) fn shadow_ray(from: &SurfacePoint, aim: &Aim) -> Option<Ray> {
-    let origin = from.off_surface(aim.wi);
+pub(super) fn shadow_ray(from: &SurfacePoint, aim: &Aim) -> Ray {
     match &aim.surface {
-        Some(point) => segment(origin, point.off_surface(-aim.wi)),
-        None if aim.distance.is_finite() => segment(origin, from.position + aim.wi * aim.distance),
-        None => Some(Ray::new(origin, aim.wi)),
+        Some(point) => from.segment_to(point),
+        None if aim.distance.is_finite() => from.segment(from.position + aim.wi * aim.distance),
+        None => from.ray(aim.wi),
     }
 }
 
-/// The ray from one point of a surface to another, if they are apart.
+/// True if the ends of a ray are so far from each other that something may be in between. Others see each other.
 #[inline(always)]
-pub(super) fn shadow_ray_between(from: &SurfacePoint, to: &SurfacePoint) -> Option<Ray> {
-    let towards = to.position - from.position;
-    segment(from.off_surface(towards), to.off_surface(-towards))
-}
-
-/// How much further one point is than another along a ray, in lengths of its direction.
-fn distance_along(ray: &Ray, from: Vec3, to: Vec3) -> f32 {
-    let direction = ray.direction();
-    (to - from).dot(direction) / direction.length_squared()
-}
-
-/// The ray from one point to another, if they are apart. It measures in their distance, so that it waits for no root and no
-/// division.
-#[inline(always)]
-fn segment(origin: Vec3, target: Vec3) -> Option<Ray> {
-    let apart = target - origin;
-    are_apart(apart).then(|| Ray::with_end(origin, apart, 1.0))
-}
-
-/// True if points so far from each other may have something in between. Ends closer to each other than they are well known see
-/// each other.
-#[inline(always)]
-pub(crate) fn are_apart(apart: Vec3) -> bool {
-    apart.length_squared() > 0.0
+pub(crate) fn is_segment(ray: &Ray) -> bool {
+    ray.direction().length_squared() > 0.0
 }
 
 #[inline]
@@ -436,7 +423,7 @@ fn tangent_from_uvs(mesh: &PlacedMesh, vertices: [usize; 3], facet: &Facet, set:
     let Some(uvs) = mesh.arrays.uv_sets.get(set) else {
         return fallback;
     };
-    let [p1, p2] = facet.edges;
+    let [p1, p2] = facet.edges();
     let (d1, d2) = (
         uvs[vertices[1]] - uvs[vertices[0]],
         uvs[vertices[2]] - uvs[vertices[0]],

@@ -234,7 +234,7 @@ impl SurfaceVertex<'_> {
     #[inline]
     #[must_use]
     pub fn ray(&self, wi: Vec3) -> Ray {
-        Ray::new(self.point.off_surface(wi), wi)
+        self.point.ray(wi)
     }
 
     /// Cosine of a direction with the geometric normal, not negative.

@@ -101,10 +101,19 @@ fn focus(arguments: &CameraArguments, scene: &Scene, camera: &mut CameraDescript
             depth
         }
     };
-    camera.lens = Some(Lens {
+    let lens = Lens {
         aperture,
         focus_distance,
-    });
+    };
+    if let Some(fault) = lens.fault() {
+        let option = if arguments.focus.is_some() {
+            "--focus"
+        } else {
+            "--aperture"
+        };
+        return Err(bad_input(format!("{option}: {fault}; choose another one")));
+    }
+    camera.lens = Some(lens);
     Ok(())
 }
 
@@ -187,5 +196,9 @@ mod tests {
         assert_eq!((lens.aperture, lens.focus_distance), (0.1, 3.0));
         assert!(with(Some(0.0), None).unwrap().lens.is_none());
         assert!(with(None, Some(3.0)).is_err());
+        // Rays through such a lens would not be finite.
+        for (aperture, focus) in [(1.0, 1e-22), (1.0, 1e-5), (1e-20, 1.0), (1e20, 1e20)] {
+            assert!(with(Some(aperture), Some(focus)).is_err());
+        }
     }
 }

@@ -13,6 +13,7 @@ use super::bounds::LightBounds;
 use crate::endpoint::{Aim, Spread, Start, StartDensities, SurfacePoint};
 use crate::material::Texture;
 use crate::math::Frame;
+use crate::math::triangle::point_between;
 use crate::radiometry::Rgb;
 use crate::radiometry::measure::pdf_w_from_pdf_a;
 use crate::sampling::discrete::AliasTable;
@@ -21,8 +22,6 @@ use crate::sampling::warp;
 /// An emissive triangle.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
-    /// Index of the triangle in the scene.
-    pub triangle: u32,
     panel: Panel,
     emission: Emission,
 }
@@ -33,8 +32,8 @@ pub(crate) struct Panel {
     pub(super) corners: [Vec3; 3],
     pub(super) ng: Vec3,
     pub(super) area: f32,
-    /// Bound of the rounding error of points on it, metres.
-    pub(super) error: f32,
+    /// Its index in the scene.
+    pub(super) triangle: u32,
     pub(super) is_double_sided: bool,
 }
 
@@ -120,27 +119,32 @@ impl TexturedEmission {
 }
 
 impl AreaLight {
-    /// A light from a triangle of non-zero area; `error` bounds the rounding of points on it, metres.
+    /// A light from a triangle of non-zero area, with its index in the scene.
     #[must_use]
     pub fn new(
         triangle: u32,
         corners: [Vec3; 3],
         emission: Emission,
         is_double_sided: bool,
-        error: f32,
     ) -> Self {
         let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         Self {
-            triangle,
             panel: Panel {
                 corners,
                 ng: cross.normalize_or_zero(),
                 area: 0.5 * cross.length(),
-                error,
+                triangle,
                 is_double_sided,
             },
             emission,
         }
+    }
+
+    /// Index of the triangle in the scene.
+    #[inline]
+    #[must_use]
+    pub fn triangle(&self) -> u32 {
+        self.panel.triangle
     }
 
     /// Area, m².
@@ -237,7 +241,7 @@ impl AreaLight {
             .panel
             .start_at(barycentrics, pdf_a, u.direction, radiance)?;
         Some(Start {
-            on_triangle: Some((self.triangle, barycentrics)),
+            on_triangle: Some((self.panel.triangle, barycentrics)),
             ..start
         })
     }
@@ -259,7 +263,7 @@ impl AreaLight {
 impl Panel {
     #[inline(always)]
     fn at(&self, b: [f32; 2]) -> Vec3 {
-        self.corners[0] * (1.0 - b[0] - b[1]) + self.corners[1] * b[0] + self.corners[2] * b[1]
+        point_between(&self.corners, b)
     }
 
     /// True if it shines towards `wo`.
@@ -320,7 +324,7 @@ impl Panel {
         let pdf_w = self.pdf_w_start(direction);
         (!value.is_black() && pdf_w > 0.0).then(|| Start {
             position: self.at(barycentrics),
-            error: self.error,
+            triangle: self.triangle,
             ng: self.ng,
             direction,
             value,
@@ -373,7 +377,7 @@ impl Panel {
             cos_at_endpoint: cos,
             surface: Some(SurfacePoint {
                 position,
-                error: self.error,
+                triangle: self.triangle,
                 ng: self.ng,
             }),
             start: StartDensities {

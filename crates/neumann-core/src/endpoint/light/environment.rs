@@ -12,6 +12,7 @@ use glam::Vec3;
 
 use super::{Bounds, disk_pdf_a, position_before_scene};
 use crate::endpoint::{Aim, Spread, Start, StartDensities};
+use crate::math::ray::NO_TRIANGLE;
 use crate::radiometry::Rgb;
 use crate::sampling::discrete::Grid2;
 use crate::sampling::warp;
@@ -172,7 +173,7 @@ impl EnvironmentLight {
         let direction = -towards;
         Some(Start {
             position: position_before_scene(direction, u_position, bounds),
-            error: 0.0,
+            triangle: NO_TRIANGLE,
             ng: direction,
             direction,
             value: self.radiance(towards),

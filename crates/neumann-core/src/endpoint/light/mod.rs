@@ -88,7 +88,7 @@ impl Lights {
         }
         for (i, light) in lights.iter().enumerate() {
             if let Light::Area(area) = light {
-                of_triangle[area.triangle as usize] = i as u32;
+                of_triangle[area.triangle() as usize] = i as u32;
             }
         }
         Self {

@@ -13,7 +13,7 @@ pub(crate) struct PanelLanes {
     corners: [Vec3Lanes; 3],
     ng: Vec3Lanes,
     area: Lanes<f32>,
-    error: Lanes<f32>,
+    triangle: Lanes<u32>,
     is_double_sided: Lanes<u32>,
     radiance: RgbLanes,
     /// Probability with which it was chosen, 0 where there is none.
@@ -37,7 +37,7 @@ impl PanelLanes {
         }
         self.ng.set(lane, panel.ng);
         self.area.set(lane, panel.area);
-        self.error.set(lane, panel.error);
+        self.triangle.set(lane, panel.triangle);
         self.is_double_sided
             .set(lane, u32::from(panel.is_double_sided));
         self.radiance.set(lane, *radiance);
@@ -89,7 +89,7 @@ impl PanelLanes {
             corners: [0, 1, 2].map(|i| self.corners[i].get(lane)),
             ng: self.ng.get(lane),
             area: self.area.get(lane),
-            error: self.error.get(lane),
+            triangle: self.triangle.get(lane),
             is_double_sided: self.is_double_sided.get(lane) != 0,
         }
     }

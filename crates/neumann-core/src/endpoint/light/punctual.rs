@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::{Bounds, disk_pdf_a, position_before_scene};
 use crate::endpoint::{Aim, Spread, Start, StartDensities};
 use crate::math::Frame;
+use crate::math::ray::NO_TRIANGLE;
 use crate::radiometry::Rgb;
 use crate::sampling::warp;
 
@@ -138,7 +139,7 @@ impl DirectionalLight {
     pub(super) fn start(&self, u: [f32; 2], bounds: Bounds) -> Start {
         Start {
             position: position_before_scene(self.direction, u, bounds),
-            error: 0.0,
+            triangle: NO_TRIANGLE,
             ng: self.direction,
             direction: self.direction,
             value: self.irradiance,
@@ -192,7 +193,7 @@ fn aim_at_point(
 fn start_at_point(position: Vec3, direction: Vec3, intensity: Rgb, pdf_w: f32) -> Start {
     Start {
         position,
-        error: 0.0,
+        triangle: NO_TRIANGLE,
         ng: direction,
         direction,
         value: intensity,

@@ -13,7 +13,7 @@ use crate::math::lanes::{LANES, Lanes, vectorized};
 use crate::radiometry::{Rgb, RgbLanes};
 use crate::render::PixelPlace;
 use crate::scene::Scene;
-use crate::transport::{SurfaceVertex, Tracer, are_apart};
+use crate::transport::{SurfaceVertex, Tracer, is_segment};
 
 /// The vertices of a light subpath, to be connected to those of a camera subpath.
 pub(super) struct LightSubpath<'a> {
@@ -202,11 +202,9 @@ fn join_lanes(
             .set(lane, joint.as_ref().map_or(0.0, |joint| joint.mis_weight));
         joined.is_joined.set(lane, u32::from(joint.is_some()));
         let (from, to) = (&camera.surface.point, &light.surface.point);
-        let towards = to.position - from.position;
-        let origin = from.off_surface(towards);
-        let apart = to.off_surface(-towards) - origin;
-        joined.segments.set_segment(lane, origin, apart);
-        joined.is_apart.set(lane, u32::from(are_apart(apart)));
+        let segment = from.segment_to(to);
+        joined.segments.set_segment(lane, &segment);
+        joined.is_apart.set(lane, u32::from(is_segment(&segment)));
     }
 }
 

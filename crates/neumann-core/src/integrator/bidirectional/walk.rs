@@ -37,7 +37,7 @@ impl Vertex<'_> {
     pub fn photon(&self) -> Photon {
         Photon {
             position: self.surface.point.position,
-            error: self.surface.point.error,
+            triangle: self.surface.point.triangle,
             ng: self.surface.point.ng,
             wo: self.surface.wo,
             power: self.throughput,

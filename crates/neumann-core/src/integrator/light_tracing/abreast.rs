@@ -9,12 +9,13 @@ use crate::integrator::abreast::PathLanes;
 use crate::integrator::bidirectional::connect::see_panel_unshadowed;
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
+use crate::math::ray::NO_TRIANGLE;
 use crate::radiometry::{Rgb, RgbLanes};
 use crate::render::{LightPaths, Sink};
 use crate::sampling::{Sampler, roulette};
 use crate::scene::bodies::Media;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
-use crate::transport::{Tracer, are_apart};
+use crate::transport::{Tracer, is_segment};
 
 use super::{MODE, Path, Walk, see_unshadowed, splat};
 
@@ -157,6 +158,7 @@ struct Starts {
     u_direction: [Lanes<f32>; 2],
     u_lens: [Lanes<f32>; 2],
     origin: Vec3Lanes,
+    leaves: Lanes<u32>,
     direction: Vec3Lanes,
     power: RgbLanes,
     is_started: Lanes<u32>,
@@ -222,7 +224,8 @@ impl Starts {
         for lane in lanes_of(started) {
             let power = self.power.get(lane);
             let path = Path {
-                ray: Ray::new(self.origin.get(lane), self.direction.get(lane)),
+                ray: Ray::new(self.origin.get(lane), self.direction.get(lane))
+                    .leaving(self.leaves.get(lane)),
                 throughput: power,
                 media: Media::VACUUM,
                 bounce: 0,
@@ -258,10 +261,9 @@ impl Sight {
     /// Sets the ray that tells whether a point is seen from another one so far away along `wi`.
     #[inline(always)]
     fn set_ray(&mut self, lane: usize, point: &SurfacePoint, wi: Vec3, distance: f32) {
-        let origin = point.off_surface(wi);
-        let apart = point.position + wi * distance - origin;
-        self.rays.set_segment(lane, origin, apart);
-        self.is_apart.set(lane, u32::from(are_apart(apart)));
+        let segment = point.segment(point.position + wi * distance);
+        self.rays.set_segment(lane, &segment);
+        self.is_apart.set(lane, u32::from(is_segment(&segment)));
     }
 
     /// Sets what is seen of it, and where.
@@ -285,6 +287,7 @@ vectorized! {
             starts.is_started.set(lane, u32::from(is_started));
             let ray = start.ray();
             starts.origin.set(lane, ray.origin());
+            starts.leaves.set(lane, ray.leaves());
             starts.direction.set(lane, ray.direction());
             starts.power.set(lane, start.throughput());
             let u = [starts.u_lens[0].get(lane), starts.u_lens[1].get(lane)];
@@ -304,7 +307,7 @@ vectorized! {
 /// In the place of a start that does not take place.
 const NOWHERE: Start = Start {
     position: Vec3::ZERO,
-    error: 0.0,
+    triangle: NO_TRIANGLE,
     ng: Vec3::Z,
     direction: Vec3::Z,
     value: Rgb::BLACK,

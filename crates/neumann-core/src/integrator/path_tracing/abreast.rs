@@ -17,7 +17,7 @@ use crate::scene::Caster;
 use crate::transport::casters::ConeLanes;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
 use crate::transport::reflection::{Aimed, Drawn};
-use crate::transport::{Tracer, are_apart};
+use crate::transport::{Tracer, is_segment};
 
 use super::bsdf::MODE;
 use super::connect;
@@ -364,23 +364,17 @@ vectorized! {
                 pdf_w_light: 1.0,
                 pdf_w_bsdf: 0.0,
             });
-            let light = light.unwrap_or(SurfacePoint {
-                position: Vec3::ZERO,
-                error: 0.0,
-                ng: Vec3::ZERO,
-            });
-            let wi = aim.map_or(Vec3::ZERO, |aim| aim.wi);
+            let light = light.unwrap_or(SurfacePoint::NOWHERE);
             let throughput = paths.common.throughput(lane);
             events.aimed.set(lane, throughput * aimed.value);
             events.mis_weight.set(lane, aimed.mis_weight());
             events.wi.set(lane, aimed.wi);
             events.pdf_w_light.set(lane, aimed.pdf_w_light);
             events.pdf_w_bsdf.set(lane, aimed.pdf_w_bsdf);
-            let origin = vertex.point.off_surface(wi);
-            let apart = light.off_surface(-wi) - origin;
-            events.shadows.set_segment(lane, origin, apart);
+            let segment = vertex.point.segment_to(&light);
+            events.shadows.set_segment(lane, &segment);
             events.is_aimed.set(lane, u32::from(is_aimed));
-            events.is_apart.set(lane, u32::from(are_apart(apart)));
+            events.is_apart.set(lane, u32::from(is_segment(&segment)));
         }
     }
 }

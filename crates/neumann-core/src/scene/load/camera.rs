@@ -7,7 +7,7 @@ use glam::Mat4;
 use super::error::{Fault, quoted};
 use super::json::{Document, Item};
 use super::notes::Notes;
-use crate::scene::description::{CameraDescription, Lens, Projection};
+use crate::scene::description::{CAMERA_LENGTHS, CameraDescription, Lens, Projection};
 
 /// The camera that a node carries, if any; one that cannot see is left out.
 pub(super) fn read(
@@ -50,8 +50,11 @@ pub(super) fn read(
         "orthographic" => {
             let xmag = lengths.number("xmag")?.unwrap_or(0.0).abs();
             let ymag = lengths.number("ymag")?.unwrap_or(0.0).abs();
-            if !is_length(ymag) {
-                return left_out(format!("{} is {ymag}", lengths.path("ymag")));
+            if !CAMERA_LENGTHS.contains(&ymag) {
+                return left_out(format!(
+                    "{} is {ymag}, not between 1e-12 and 1e12",
+                    lengths.path("ymag")
+                ));
             }
             (Projection::Orthographic { ymag }, Some(xmag / ymag))
         }
@@ -74,6 +77,7 @@ fn lens(camera: &Item<'_>, name: &str, notes: &mut Notes) -> Result<Option<Lens>
     let Some(lens) = neumann.and_then(|neumann| neumann.child_if_object("lens")) else {
         return Ok(None);
     };
+    let at = lens.at();
     let aperture = lens.number("aperture")?.unwrap_or(0.0);
     let focus_distance = lens.number("focusDistance")?.unwrap_or(0.0);
     if aperture == 0.0 {
@@ -83,14 +87,22 @@ fn lens(camera: &Item<'_>, name: &str, notes: &mut Notes) -> Result<Option<Lens>
         notes.warn(format!(
             "camera {}: {} needs an aperture and a focusDistance above 0; it stays a pinhole",
             quoted(name),
-            lens.at()
+            at
         ));
         return Ok(None);
     }
-    Ok(Some(Lens {
+    let lens = Lens {
         aperture,
         focus_distance,
-    }))
+    };
+    if let Some(fault) = lens.fault() {
+        notes.warn(format!(
+            "camera {}: {at}: {fault}; it stays a pinhole",
+            quoted(name)
+        ));
+        return Ok(None);
+    }
+    Ok(Some(lens))
 }
 
 fn is_length(length: f32) -> bool {

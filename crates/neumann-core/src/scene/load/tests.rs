@@ -307,6 +307,39 @@ fn textures_find_their_images_and_coordinates() {
 }
 
 #[test]
+fn cameras_whose_rays_would_not_be_finite_are_named() {
+    let mut builder = square();
+    let lens = |aperture: f64, focus: f64| {
+        json!({"type": "perspective", "perspective": {"yfov": 0.5}, "name": "eye", "extras":
+            {"neumann": {"lens": {"aperture": aperture, "focusDistance": focus}}}})
+    };
+    let flat = |ymag: f64| {
+        json!({"type": "orthographic", "name": "flat",
+               "orthographic": {"xmag": 1, "ymag": ymag, "znear": 0, "zfar": 1}})
+    };
+    builder.json["cameras"] = json!([
+        lens(0.1, 1e-39),
+        lens(1.0, 1e-22),
+        lens(1e-9, 1e-8),
+        flat(1e38),
+        flat(1e-30),
+        flat(2.0),
+    ]);
+    builder.json["nodes"] = json!([
+        {"mesh": 0}, {"camera": 0}, {"camera": 1}, {"camera": 2}, {"camera": 3}, {"camera": 4},
+        {"camera": 5},
+    ]);
+    builder.json["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4, 5, 6]}]);
+    let scene = builder.load().unwrap();
+    let has_lens: Vec<bool> = scene.cameras.iter().map(|c| c.lens.is_some()).collect();
+    assert_eq!(has_lens, [false, false, true, false]);
+    let warnings = scene.report.warnings.join("\n");
+    for named in ["focusDistance", "1000 times", "ymag"] {
+        assert!(warnings.contains(named), "{named}: {warnings}");
+    }
+}
+
+#[test]
 fn cameras_lights_environment_and_texts() {
     let mut builder = square();
     builder.json["asset"]["extras"] = json!({"about": "a square"});

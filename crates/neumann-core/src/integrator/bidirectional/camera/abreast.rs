@@ -1,7 +1,5 @@
 //! Sixteen camera subpaths abreast ([`crate::integrator::abreast`]).
 
-use glam::Vec3;
-
 use super::CameraEnd;
 use crate::accel::RayLanes;
 use crate::bsdf::TransportMode;
@@ -20,7 +18,7 @@ use crate::photons::{Near, Search};
 use crate::radiometry::{Rgb, RgbLanes};
 use crate::render::{PixelPath, PixelPlace, Pixels, Sink};
 use crate::scene::Scene;
-use crate::transport::{Tracer, are_apart};
+use crate::transport::{Tracer, is_segment};
 
 /// Memory for the subpaths of a tile, which the next one may use again.
 pub(in crate::integrator) struct CameraRoom<'s> {
@@ -352,18 +350,12 @@ fn aim_lanes(vertices: &VertexLanes<'_>, events: &mut Events, weighing: &Weighin
             .and_then(|aim| next_event_unshadowed(&vertex, aim, weighing));
         let is_aimed = aimed.is_some();
         let (value, mis_weight) = aimed.unwrap_or((Rgb::BLACK, 0.0));
-        let light = light.unwrap_or(SurfacePoint {
-            position: Vec3::ZERO,
-            error: 0.0,
-            ng: Vec3::ZERO,
-        });
-        let wi = aim.map_or(Vec3::ZERO, |aim| aim.wi);
+        let light = light.unwrap_or(SurfacePoint::NOWHERE);
         events.value.set(lane, value);
         events.mis_weight.set(lane, mis_weight);
-        let origin = point.off_surface(wi);
-        let apart = light.off_surface(-wi) - origin;
-        events.shadows.set_segment(lane, origin, apart);
+        let segment = point.segment_to(&light);
+        events.shadows.set_segment(lane, &segment);
         events.is_aimed.set(lane, u32::from(is_aimed));
-        events.is_apart.set(lane, u32::from(are_apart(apart)));
+        events.is_apart.set(lane, u32::from(is_segment(&segment)));
     }
 }

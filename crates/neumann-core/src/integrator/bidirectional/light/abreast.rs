@@ -16,7 +16,7 @@ use crate::math::lanes::{LANES, Lanes, lanes_of, vectorized};
 use crate::radiometry::{Rgb, RgbLanes};
 use crate::render::Sink;
 use crate::sampling::Sampler;
-use crate::transport::{Tracer, are_apart};
+use crate::transport::{Tracer, is_segment};
 
 /// What the lens sees of the vertices.
 #[derive(Default)]
@@ -153,10 +153,9 @@ fn see_lanes(vertices: &VertexLanes<'_>, sight: &mut Sight, camera: &Camera, wei
         sight.raster[0].set(lane, raster.x);
         sight.raster[1].set(lane, raster.y);
         let point = &vertex.surface.point;
-        let origin = point.off_surface(wi);
-        let apart = point.position + wi * distance - origin;
-        sight.rays.set_segment(lane, origin, apart);
+        let segment = point.segment(point.position + wi * distance);
+        sight.rays.set_segment(lane, &segment);
         sight.is_seen.set(lane, u32::from(is_seen));
-        sight.is_apart.set(lane, u32::from(are_apart(apart)));
+        sight.is_apart.set(lane, u32::from(is_segment(&segment)));
     }
 }

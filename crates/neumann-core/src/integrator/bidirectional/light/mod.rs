@@ -36,7 +36,6 @@ pub(in crate::integrator) struct LightEnd<'a> {
 pub(in crate::integrator) struct LightVertex {
     pub(in crate::integrator) photon: Photon,
     pub(in crate::integrator) partial: Partial,
-    triangle: u32,
     barycentrics: [f32; 2],
 }
 
@@ -112,7 +111,6 @@ impl LightVertex {
         Self {
             photon: vertex.photon(),
             partial: vertex.partial,
-            triangle: vertex.surface.triangle,
             barycentrics: vertex.surface.barycentrics,
         }
     }
@@ -122,8 +120,8 @@ impl LightVertex {
     pub(super) fn restored<'a>(&self, tracer: &Tracer<'a>) -> Vertex<'a> {
         let photon = &self.photon;
         Vertex {
-            surface: tracer.surface_between(
-                self.triangle,
+            surface: tracer.surface_at_point(
+                &photon.point(),
                 self.barycentrics,
                 photon.wo,
                 photon.indices,

@@ -102,10 +102,10 @@ fn facts(status: &Status<'_>) -> Vec<(String, String, String)> {
     facts.push(fact("", format!("{:.1}", stats.seconds), "s"));
     facts.push(fact("", with_prefix(stats.samples_per_second), "samples/s"));
     facts.push(fact("", with_prefix(stats.rays_per_second), "rays/s"));
-    if stats.estimated_error.is_finite() {
-        let percent = significant(100.0 * stats.estimated_error, 2);
-        facts.push(fact("estimated error", percent, "%"));
-    }
+    facts.push(match stats.estimated_error {
+        Some(error) => fact("estimated error", significant(100.0 * error, 2), "%"),
+        None => fact("estimated error", "–".to_owned(), ""),
+    });
     if let Some(photons) = stats.photons {
         if photons.radius > 0.0 {
             let radius = significant(f64::from(photons.radius), 3);

@@ -137,7 +137,8 @@ pub(crate) struct GoalOptions {
     /// Time of rendering; an iteration that would end later is not begun, but for the first
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     pub(crate) time: Option<f64>,
-    /// Estimated relative error of the picture, such as 0.01
+    /// Estimated relative error of the picture, such as 0.01: the root of the mean variance over
+    /// pixels and channels, over the mean radiance; unknown until light has been found
     #[arg(long, value_name = "RELATIVE", value_parser = positive, allow_hyphen_values = true)]
     pub(crate) until_error: Option<f64>,
     /// Number of the first iteration; renders with different ones can be merged

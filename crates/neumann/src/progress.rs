@@ -94,7 +94,7 @@ impl Progress {
             Some(n) => format!("{} of {n} iterations", standing.n_iterations),
             None => format!("{} iterations", standing.n_iterations),
         };
-        if let Some(error) = standing.error.filter(|e| e.is_finite()) {
+        if let Some(error) = standing.error {
             text += &format!(", error {:.2} %", error * 100.0);
         }
         text += &format!(", {}", duration(standing.seconds));

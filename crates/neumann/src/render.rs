@@ -153,8 +153,7 @@ pub(crate) fn summary(rendered: &Rendered) -> String {
         duration(seconds),
         seconds * 1e3 / f64::from(n.max(1))
     );
-    let error = rendered.film.estimated_error();
-    if error.is_finite() {
+    if let Some(error) = rendered.film.estimated_error() {
         text += &format!(", estimated error {:.2} %", error * 100.0);
     }
     let n_refused = rendered.film.n_refused();

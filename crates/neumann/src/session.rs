@@ -184,8 +184,10 @@ impl Session {
             let standing = Standing {
                 n_iterations: film.n_iterations(),
                 seconds: metadata.seconds,
-                error: (self.goal.error.is_some() && film.n_iterations() > 1)
-                    .then(|| self.pool.run(|| film.estimated_error())),
+                error: self
+                    .goal
+                    .error
+                    .and_then(|_| self.pool.run(|| film.estimated_error())),
             };
             progress.update(standing);
             if self.goal.is_met(standing, times.expected()) {

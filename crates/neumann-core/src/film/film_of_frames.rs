@@ -307,6 +307,26 @@ mod tests {
     }
 
     #[test]
+    fn an_error_is_unknown_until_there_is_evidence() {
+        let mut film = Film::new(3, 2, 2);
+        assert_eq!(film.estimated_error(), None);
+        film.add(&frame_of(0.0));
+        film.add(&frame_of(0.0));
+        assert_eq!(film.estimated_error(), None, "no light yet");
+        film.add(&frame_of(2.0));
+        // L was 0, 0, 6: mean 2, sample variance 12, over n = 3.
+        let error = film.estimated_error().unwrap();
+        assert!((error - 1.0).abs() < 1e-6, "{error}");
+        let mut one = Film::new(3, 2, 2);
+        one.add(&frame_of(2.0));
+        assert_eq!(
+            one.estimated_error(),
+            None,
+            "one says nothing of the spread"
+        );
+    }
+
+    #[test]
     fn merging_equals_adding() {
         let (mut whole, mut first, mut second) =
             (Film::new(3, 2, 2), Film::new(3, 2, 2), Film::new(3, 2, 2));

@@ -53,7 +53,7 @@ pub struct Stats {
     /// Rays per second over the latest iteration.
     pub rays_per_second: f64,
     /// [`Film::estimated_error`], renewed a few times a second.
-    pub estimated_error: f64,
+    pub estimated_error: Option<f64>,
     /// Contributions refused because they were not finite or negative.
     pub n_refused: u64,
     /// What the photons of the latest iteration were like, if it had any.
@@ -410,7 +410,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             seconds: climb.seconds,
             samples_per_second,
             rays_per_second: n_rays as f64 / seconds,
-            estimated_error: f64::INFINITY,
+            estimated_error: None,
             n_refused: 0,
             photons,
             is_done,
@@ -490,7 +490,7 @@ fn technique_divisor(settings: &RenderSettings) -> usize {
 struct Summary {
     thumbnails: Vec<Thumbnail>,
     energy_shares: Vec<f64>,
-    estimated_error: f64,
+    estimated_error: Option<f64>,
     techniques: Option<Arc<TechniqueFilm>>,
 }
 

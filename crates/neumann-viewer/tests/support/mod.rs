@@ -49,7 +49,7 @@ pub(crate) fn published() -> Published {
             seconds: 1.5,
             samples_per_second: 1e6,
             rays_per_second: 5e6,
-            estimated_error: 0.01,
+            estimated_error: Some(0.01),
             n_refused: 0,
             photons: None,
             is_done: false,

@@ -124,13 +124,13 @@ impl Film {
             .collect()
     }
 
-    /// Estimated relative error of the image: the root mean square over pixels
-    /// of the standard error of luminance, over the mean luminance. Infinite before
-    /// the second iteration, zero for a black image.
+    /// Estimated relative error of the image: the root of the mean variance over pixels and
+    /// channels, over the mean radiance. `None` while nothing is known of it: before the second
+    /// iteration, and while no light has been found.
     #[must_use]
-    pub fn estimated_error(&self) -> f64 {
+    pub fn estimated_error(&self) -> Option<f64> {
         if self.n_iterations < 2 {
-            return f64::INFINITY;
+            return None;
         }
         let n = self.n_pixels().max(1) as f64;
         let per_tile = self.values_per_tile();
@@ -149,10 +149,7 @@ impl Film {
                 )
             })
             .reduce(|| (0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-        if mean <= 0.0 {
-            return 0.0;
-        }
-        (variance / n).sqrt() / (mean / n)
+        (mean > 0.0).then(|| (variance / n).sqrt() / (mean / n))
     }
 
     /// A row of a layer, the total or the deviations, tile by tile.

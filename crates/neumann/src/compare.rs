@@ -25,7 +25,7 @@ pub(crate) fn run(arguments: &CompareArguments) -> Outcome {
     let layer = arguments.layer.as_deref();
     let mut memory = Share::default();
     let image = read_layer(&arguments.image, layer, &mut memory).or_bad_input()?;
-    let reference = read_layer(&arguments.reference, layer, &mut memory).or_bad_input()?;
+    // Before the reference is read, lest that be in vain.
     memory.grow(working_bytes(&image)).map_err(|shortage| {
         let names = [&arguments.image, &arguments.reference].map(|path| path.display());
         bad_input(format!(
@@ -35,6 +35,7 @@ pub(crate) fn run(arguments: &CompareArguments) -> Outcome {
             memory::REMEDY
         ))
     })?;
+    let reference = read_layer(&arguments.reference, layer, &mut memory).or_bad_input()?;
     let display = arguments.display.display();
     let comparison = compare(&image, &reference, &display).or_bad_input()?;
     if let Some(output) = &arguments.output {

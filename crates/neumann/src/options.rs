@@ -110,7 +110,8 @@ pub(crate) struct EnvironmentArguments {
     /// Factor on the environment
     #[arg(long, value_name = "F", value_parser = parse::not_negative, allow_hyphen_values = true)]
     pub(crate) env_intensity: Option<f32>,
-    /// Turn of the environment about the vertical, degrees
+    /// Turn of the environment about the vertical, degrees, counter-clockwise seen from above; a map placed as in
+    /// Blender (exported with +Y up) needs -90, as in Mitsuba 180
     #[arg(long, value_name = "DEG", value_parser = parse::finite, allow_hyphen_values = true)]
     pub(crate) env_rotation: Option<f32>,
 }

@@ -309,13 +309,21 @@ def compare_speeds(program, cornell, rounds):
     row("`vcm` against `path`, cornell", ms["vcm"], ms["path"], ms["path"] / ms["vcm"], unit)
 
 
+def is_lit(doc):
+    emits = any(any(m.get("emissiveFactor", [0])) for m in doc.get("materials", []))
+    return emits or "KHR_lights_punctual" in doc.get("extensionsUsed", [])
+
+
 def compare_times_to_error(program, path, rounds, method):
     name = os.path.splitext(os.path.basename(path))[0]
     options, view = [], None
-    if "cameras" not in read_gltf(path)[0]:
+    doc = read_gltf(path)[0]
+    if not is_lit(doc):
+        options += ["--env", "uniform"]
+    if "cameras" not in doc:
         view = look_at(program, path)
         eye, target = (",".join(map(str, point)) for point in view[:2])
-        options = [f"--eye={eye}", f"--target={target}", f"--fov={view[2]}"]
+        options += [f"--eye={eye}", f"--target={target}", f"--fov={view[2]}"]
     ours = Neumann(program, path, SIZE_FOR_ERROR, method, options)
     theirs = Mitsuba(load(path, SIZE_FOR_ERROR, view))
     mean = ours.render(REFERENCE, 4711)[0]

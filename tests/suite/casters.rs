@@ -8,7 +8,9 @@ use neumann_core::integrator::{Value, method};
 use neumann_core::math::Ray;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::{CancelToken, Renderer};
-use neumann_core::scene::description::{MaterialDescription, MeshDescription};
+use neumann_core::scene::description::{
+    EnvironmentDescription, MaterialDescription, MeshDescription,
+};
 use neumann_core::scene::{Caster, Scene};
 use neumann_core::transport::Tracer;
 use neumann_core::transport::casters::Cones;
@@ -200,7 +202,9 @@ fn only_what_may_cast_caustics_of_some_light_is_a_caster() {
                 material.clone(),
             );
         }
-        if has_lamp {
+        if !has_lamp {
+            stage.description.environment = Some(EnvironmentDescription::uniform(Rgb::WHITE));
+        } else {
             stage.add(
                 "lamp",
                 rectangle(Vec3::Y * 9.0, Vec3::X, Vec3::Z),
@@ -215,7 +219,7 @@ fn only_what_may_cast_caustics_of_some_light_is_a_caster() {
     for (radius, expected) in radii.iter().zip([0.6, 0.5, 0.4, 0.3]) {
         assert!((radius - expected).abs() < 1e-5, "{radii:?}");
     }
-    // The white sky of a scene without lights is found by whatever leaves the scene.
+    // A sky of one radiance is found by whatever leaves the scene.
     assert!(scene(glass(), false).casters().is_empty());
     assert!(scene(plastic(0.5), true).casters().is_empty());
 }

@@ -11,6 +11,7 @@ mod light_choice;
 mod lights;
 mod media;
 mod merging;
+mod own_light;
 mod reference;
 mod sampling;
 mod scenes;

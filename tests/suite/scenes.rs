@@ -10,7 +10,7 @@ use neumann_core::radiometry::Rgb;
 use neumann_core::scene::Scene;
 use neumann_core::scene::builtin::BUILTINS;
 use neumann_core::scene::description::{
-    InstanceDescription, LightKind, MeshDescription, SceneDescription,
+    EnvironmentDescription, InstanceDescription, LightKind, MeshDescription, SceneDescription,
 };
 use neumann_core::transport::{SurfaceVertex, Tracer};
 use neumann_tests::random::Random;
@@ -250,18 +250,20 @@ fn odd_lights_and_cameras_render() {
 }
 
 #[test]
-fn a_scene_without_light_gets_a_white_sky() {
+fn a_scene_without_light_gets_the_studio() {
     let mut stage = Stage::default();
     stage.add("ball", ball(0.5), lambert(0.5));
     let scene = stage.scene();
     assert!(scene.warnings().iter().any(|w| w.contains("no light")));
     let film = Setup::new(&scene, 16, 16).film(0, 4);
-    assert!(
-        (film.total()[0].g - 1.0).abs() < 1e-6,
-        "the corner shows the sky"
-    );
+    let total = film.total();
+    let (corner, ball) = (total[0].g, total[16 * 8 + 8].g);
+    assert!((0.1..0.3).contains(&corner), "the ground: {corner}");
+    assert!(ball > 0.2, "the ball is lit: {ball}");
     // Nothing at all is a picture, too.
-    let scene = Stage::default().scene();
+    let mut nothing = Stage::default();
+    nothing.description.environment = Some(EnvironmentDescription::uniform(Rgb::WHITE));
+    let scene = nothing.scene();
     for &method in METHODS {
         // What splats sees the sky where its samples fall.
         if !method.sight.delta_to_camera {

@@ -12,7 +12,7 @@ use neumann_core::endpoint::{Lights, Receiver};
 use neumann_core::material::{ColorSpace, Texture};
 use neumann_core::radiometry::Rgb;
 use neumann_core::scene::description::{
-    EnvironmentDescription, Filter, ImageDescription, TextureDescription, Wrap,
+    EnvironmentDescription, Filter, ImageDescription, SunDescription, TextureDescription, Wrap,
 };
 
 use crate::random::Random;
@@ -97,6 +97,7 @@ pub fn environment() -> Arc<EnvironmentDescription> {
         texels,
         intensity: 2.0,
         rotation: 3.0 * TAU / 16.0,
+        sun: None,
     })
 }
 
@@ -107,6 +108,23 @@ pub fn environment() -> Arc<EnvironmentDescription> {
 #[must_use]
 pub fn environment_light() -> EnvironmentLight {
     EnvironmentLight::new(&environment(), 1.0).expect("the map is not black")
+}
+
+/// The same map behind a sun that sends as much as it does.
+///
+/// # Panics
+/// Never: the map is not black.
+#[must_use]
+pub fn environment_with_sun() -> EnvironmentLight {
+    let map = EnvironmentDescription {
+        sun: Some(SunDescription {
+            direction: Vec3::new(0.4, 0.7, -0.5).normalize(),
+            angular_radius: 0.1,
+            radiance: Rgb::splat(1500.0),
+        }),
+        ..(*environment()).clone()
+    };
+    EnvironmentLight::new(&Arc::new(map), 1.0).expect("the map is not black")
 }
 
 /// A point that scatters light from wherever it comes.
@@ -156,5 +174,9 @@ pub fn all_lights() -> Vec<(&'static str, Light)> {
             }),
         ),
         ("environment", Light::Environment(environment_light())),
+        (
+            "environment with sun",
+            Light::Environment(environment_with_sun()),
+        ),
     ]
 }

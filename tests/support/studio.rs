@@ -176,6 +176,7 @@ fn gradient() -> EnvironmentDescription {
         texels,
         intensity: 0.7,
         rotation: 0.5,
+        sun: None,
     }
 }
 

@@ -51,6 +51,8 @@
 //! - \[Conty & Kulla 2018\] A. Conty Estevez, C. Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, PACM CGIT 1(2).
 //! - \[Burley 2020\] B. Burley, Practical Hash-based Owen Scrambling, JCGT 9(4).
 //! - T. Hesterberg, Weighted Average Importance Sampling and Defensive Mixture Distributions, Technometrics 37(2), 1995.
+//! - \[Preetham 1999\] A. J. Preetham, P. Shirley, B. Smits, A Practical Analytic Model for Daylight, SIGGRAPH 1999.
+//! - \[Darula 2005\] S. Darula, R. Kittler, C. Gueymard, Reference luminous solar constant and solar luminance for illuminance calculations, Solar Energy 79(5).
 //! - Ph. Dutré, Global Illumination Compendium, 2003.
 //! - Khronos, glTF 2.0 specification and the KHR extensions named where they are used.
 

@@ -4,14 +4,15 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{Context, Rect, Ui, pos2};
+use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::load::LoadOptions;
-use neumann_core::scene::{OpeningProgress, Scene};
+use neumann_core::scene::{OpeningProgress, Scene, SkyChoice};
 
 use crate::display::{ViewSettings, image_area};
 use crate::gallery::Gallery;
 use crate::keys;
-use crate::notices::Notices;
-use crate::options::ViewOptions;
+use crate::notices::{Notices, Offer};
+use crate::options::{Exposure, ViewOptions};
 use crate::panels::{self, Page};
 use crate::picture::Picture;
 use crate::recent::Recent;
@@ -65,6 +66,8 @@ pub struct App {
     pub(crate) placement: Option<image_area::Placement>,
     options: ViewOptions,
     is_first_scene: bool,
+    /// Exposure follows the picture because the scene is the user's own, not because anybody asked.
+    exposes_by_itself: bool,
     loading: Option<Loading>,
     resized: Option<Instant>,
     wanted_size: (usize, usize),
@@ -114,7 +117,11 @@ impl App {
         }
         let viewing = ViewSettings {
             view: options.view,
-            exposure_ev: options.exposure_ev,
+            exposure_ev: match options.exposure {
+                Exposure::Stops(stops) => stops,
+                _ => 0.0,
+            },
+            is_auto: options.exposure == Exposure::Auto,
             tone: options.tone,
             ..ViewSettings::default()
         };
@@ -142,6 +149,7 @@ impl App {
             placement: None,
             options,
             is_first_scene: true,
+            exposes_by_itself: false,
             loading: None,
             resized: None,
             wanted_size: (0, 0),
@@ -166,13 +174,20 @@ impl App {
             allow_hidden: self.options.allow_hidden,
             ..LoadOptions::default()
         };
-        let progress = self.background.open_scene(source.clone(), options);
+        // What the command asks for is meant for the scene that it names.
+        let sky = self.options.environment.sky.clone();
+        let sky = sky.filter(|_| self.is_first_scene);
+        let progress = self.background.open_scene(source.clone(), sky, options);
         self.loading = Some(Loading { source, progress });
     }
 
     /// Takes over a scene that is ready.
     pub fn take_scene(&mut self, source: String, scene: Arc<Scene>) {
-        let n_warnings = scene.warnings().len();
+        let warnings = scene.warnings().to_vec();
+        let has_default_sky = scene.has_default_sky();
+        if self.options.exposure == Exposure::ForScene {
+            self.expose_for(&source);
+        }
         self.setup.take_scene(source, scene);
         self.material = None;
         self.viewing.zoom = None;
@@ -181,17 +196,58 @@ impl App {
             if let Some(complaint) = self.setup.apply_camera(&self.options.camera) {
                 self.notices.failure(complaint);
             }
-            if let Some(file) = self.options.environment.file.clone() {
+            if let Some(SkyChoice::File(file)) = self.options.environment.sky.clone() {
                 self.background.open_environment(file);
             }
             self.setup.apply_environment(&self.options.environment);
         }
-        if n_warnings > 0 {
-            let text = match n_warnings {
-                1 => "One notice about this scene; see the end of the page Scene".to_owned(),
-                n => format!("{n} notices about this scene; see the end of the page Scene"),
-            };
-            self.notices.failure(text);
+        self.tell_warnings(&warnings);
+        if has_default_sky {
+            // The last of the warnings says why.
+            let why = warnings.last().map_or("", String::as_str);
+            self.notices.offer(why, "Remove sky", Offer::RemoveSky);
+        }
+    }
+
+    /// Whoever made a file had another program's exposure in mind; a built-in scene suits exposure 0.
+    fn expose_for(&mut self, source: &str) {
+        if builtin(source).is_none() {
+            self.viewing.is_auto = true;
+            self.exposes_by_itself = true;
+        } else if self.exposes_by_itself && self.viewing.is_auto {
+            self.viewing.is_auto = false;
+            self.viewing.exposure_ev = 0.0;
+            self.exposes_by_itself = false;
+        }
+    }
+
+    /// Shows the first few warnings of a scene, and where the others are.
+    fn tell_warnings(&mut self, warnings: &[String]) {
+        const MOST: usize = 3;
+        let n_sky = usize::from(
+            self.setup
+                .open
+                .as_ref()
+                .is_some_and(|o| o.scene.has_default_sky()),
+        );
+        let warnings = &warnings[..warnings.len() - n_sky];
+        if warnings.is_empty() {
+            return;
+        }
+        let mut text = warnings[..warnings.len().min(MOST)].join("\n");
+        if warnings.len() > MOST {
+            text += &format!(
+                "\nand {} more; see the end of the page Scene",
+                warnings.len() - MOST
+            );
+        }
+        self.notices.failure(text);
+    }
+
+    /// Does what a notice offers.
+    fn accept(&mut self, offer: Offer) {
+        match offer {
+            Offer::RemoveSky => self.setup.choose_sky(None),
         }
     }
 
@@ -269,7 +325,9 @@ impl App {
         } else {
             stage::show(ui, stage_rect, self);
         }
-        self.notices.show(&ctx, stage_rect);
+        if let Some(offer) = self.notices.show(&ctx, stage_rect) {
+            self.accept(offer);
+        }
         if self.is_help_open {
             help::show(ui, &mut self.is_help_open);
         }
@@ -380,7 +438,7 @@ impl App {
         self.loading = None;
         match result {
             Ok(scene) => {
-                if neumann_core::scene::builtin::builtin(&source).is_none() {
+                if builtin(&source).is_none() {
                     self.recent.add(&source);
                 }
                 self.background.improve(Arc::clone(&scene));

@@ -39,7 +39,9 @@ pub mod top_bar;
 pub mod widgets;
 mod window;
 
-pub use options::{CameraOptions, EnvironmentOptions, Screenshot, ViewError, ViewOptions};
+pub use options::{
+    CameraOptions, EnvironmentOptions, Exposure, Screenshot, ViewError, ViewOptions,
+};
 
 /// Opens the window and stays until it is closed; or draws it to a file, if a screenshot is asked for.
 ///

@@ -3,7 +3,7 @@
 use egui::{Align2, Context, Frame, Id, Label, Margin, RichText, Stroke};
 
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{Icon, icon_button};
+use crate::widgets::{Icon, button, icon_button};
 
 /// Sentences for the user, newest last.
 #[derive(Debug, Default)]
@@ -11,9 +11,18 @@ pub struct Notices {
     entries: Vec<Notice>,
 }
 
+/// What a notice can do at a click.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Offer {
+    /// Take away the sky that was added by default.
+    RemoveSky,
+}
+
 #[derive(Debug)]
 struct Notice {
     text: String,
+    /// A button with these words.
+    offer: Option<(&'static str, Offer)>,
     /// Seconds of egui's clock after which it goes by itself; failures stay.
     until: Option<f64>,
 }
@@ -21,18 +30,23 @@ struct Notice {
 impl Notices {
     /// Something went wrong: stays until closed.
     pub fn failure(&mut self, text: impl Into<String>) {
-        self.push(text.into(), None);
+        self.push(text.into(), None, None);
+    }
+
+    /// Something can be done otherwise at a click: stays until closed or clicked.
+    pub fn offer(&mut self, text: impl Into<String>, label: &'static str, offer: Offer) {
+        self.push(text.into(), Some((label, offer)), None);
     }
 
     /// Something was done: goes by itself.
     pub fn remark(&mut self, ctx: &Context, text: impl Into<String>) {
         let until = ctx.input(|i| i.time) + 6.0;
-        self.push(text.into(), Some(until));
+        self.push(text.into(), None, Some(until));
     }
 
-    fn push(&mut self, text: String, until: Option<f64>) {
+    fn push(&mut self, text: String, offer: Option<(&'static str, Offer)>, until: Option<f64>) {
         self.entries.retain(|n| n.text != text);
-        self.entries.push(Notice { text, until });
+        self.entries.push(Notice { text, offer, until });
         let excess = self.entries.len().saturating_sub(4);
         self.entries.drain(..excess);
     }
@@ -47,17 +61,24 @@ impl Notices {
         self.entries.pop().is_some()
     }
 
-    /// Draws them in the lower left corner of `area`.
-    pub fn show(&mut self, ctx: &Context, area: egui::Rect) {
+    /// Takes back what is no longer to be had.
+    pub fn withdraw(&mut self, offer: Offer) {
+        self.entries
+            .retain(|n| n.offer.is_none_or(|(_, offered)| offered != offer));
+    }
+
+    /// Draws them in the lower left corner of `area`; yields the offer that was taken.
+    pub fn show(&mut self, ctx: &Context, area: egui::Rect) -> Option<Offer> {
         let now = ctx.input(|i| i.time);
         self.entries.retain(|n| n.until.is_none_or(|t| t > now));
         if let Some(next) = self.entries.iter().filter_map(|n| n.until).reduce(f64::min) {
             ctx.request_repaint_after_secs((next - now).max(0.05) as f32);
         }
         if self.entries.is_empty() {
-            return;
+            return None;
         }
         let mut closed = None;
+        let mut taken = None;
         egui::Area::new(Id::unique("notices"))
             .anchor(
                 Align2::LEFT_BOTTOM,
@@ -87,6 +108,12 @@ impl Notices {
                                     let text = RichText::new(&notice.text).font(theme::body());
                                     ui.add(Label::new(text).wrap());
                                 });
+                                if let Some((label, offer)) = notice.offer
+                                    && button(ui, label).clicked()
+                                {
+                                    taken = Some(offer);
+                                    closed = Some(i);
+                                }
                                 if icon_button(ui, Icon::Close, "close notice", "Esc").clicked() {
                                     closed = Some(i);
                                 }
@@ -97,5 +124,6 @@ impl Notices {
         if let Some(i) = closed {
             self.entries.remove(i);
         }
+        taken
     }
 }

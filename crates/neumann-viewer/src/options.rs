@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::Vec3;
 use neumann_core::film::View;
 use neumann_core::render::StopRule;
+use neumann_core::scene::SkyChoice;
 use neumann_picture::tone::ToneCurve;
 
 /// How the window begins.
@@ -32,8 +33,8 @@ pub struct ViewOptions {
     pub stop: StopRule,
     /// Which part of the series is shown.
     pub view: View,
-    /// Exposure, stops.
-    pub exposure_ev: f32,
+    /// Exposure.
+    pub exposure: Exposure,
     /// Tone curve.
     pub tone: ToneCurve,
     /// Threads that render; all that there are, if `None`.
@@ -44,6 +45,18 @@ pub struct ViewOptions {
     pub allow_outside: bool,
     /// Let relative URIs lead to hidden files and folders.
     pub allow_hidden: bool,
+}
+
+/// How bright radiance is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Exposure {
+    /// By itself for a file of the user's own, 0 for a built-in scene, whose lights are made for it.
+    #[default]
+    ForScene,
+    /// Multiplied by 2 to this power.
+    Stops(f32),
+    /// By itself.
+    Auto,
 }
 
 /// A picture of the window itself.
@@ -78,11 +91,11 @@ pub struct CameraOptions {
     pub focus: Option<f32>,
 }
 
-/// An environment map in place of the scene's.
+/// An environment in place of the scene's.
 #[derive(Clone, Debug, Default)]
 pub struct EnvironmentOptions {
-    /// The `.hdr` or `.exr` file.
-    pub file: Option<PathBuf>,
+    /// A built-in sky, none, or a map.
+    pub sky: Option<SkyChoice>,
     /// Factor.
     pub intensity: Option<f32>,
     /// Turn about the vertical, degrees.

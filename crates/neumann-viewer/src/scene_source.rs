@@ -4,8 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use neumann_core::scene::load::{EnvironmentFile, LoadOptions, load_environment};
-use neumann_core::scene::{self, BetterTree, OpeningProgress, Scene};
+use neumann_core::render::lit;
+use neumann_core::scene::description::DefaultSky;
+use neumann_core::scene::load::{EnvironmentFile, LoadError, LoadOptions, load_environment};
+use neumann_core::scene::{self, BetterTree, OpeningProgress, Scene, SkyChoice};
 use neumann_picture::image_file::{Image, read_image};
 
 /// Something that was asked for has come, or has failed.
@@ -69,14 +71,27 @@ impl Background {
         finished.into_iter().flatten().collect()
     }
 
-    /// Opens a built-in scene by name or a file by path.
-    pub fn open_scene(&mut self, source: String, options: LoadOptions) -> OpeningProgress {
+    /// Opens a built-in scene by name or a file by path, under its own sky or another.
+    pub fn open_scene(
+        &mut self,
+        source: String,
+        sky: Option<SkyChoice>,
+        options: LoadOptions,
+    ) -> OpeningProgress {
         let progress = options.progress.clone();
         self.run("neumann-load", move || {
-            let build = |description| Scene::build_quickly(&description, &options.progress);
-            let scene = scene::open(&source, &options)
-                .map(|description| Arc::new(build(description)))
-                .map_err(|e| e.to_string());
+            let open = || {
+                let mut description = scene::open(&source, &options)?;
+                match &sky {
+                    None => {}
+                    // A map comes later, so that one that cannot be read does not keep the scene
+                    // from being shown.
+                    Some(SkyChoice::File(_)) => description.default_sky = DefaultSky::Never,
+                    Some(sky) => sky.apply(&mut description)?,
+                }
+                Ok(lit(Scene::build_quickly(&description, &options.progress)))
+            };
+            let scene = open().map(Arc::new).map_err(|e: LoadError| e.to_string());
             Some(Arrival::Scene(source, scene))
         });
         progress

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, Method, ParameterValues};
 use neumann_core::render::{RenderSettings, StopRule};
-use neumann_core::scene::{Appearance, BetterTree, Scene};
+use neumann_core::scene::description::EnvironmentDescription;
+use neumann_core::scene::{Appearance, BetterTree, Scene, Sky};
 
 use crate::camera_control::CameraControl;
 use crate::options::{CameraOptions, EnvironmentOptions, ViewOptions};
@@ -178,6 +179,20 @@ impl Setup {
         control.set_lens(lens);
         control.make_home();
         complaint
+    }
+
+    /// Puts a built-in sky, or none, in place of the environment, turned like the one before.
+    pub fn choose_sky(&mut self, sky: Option<Sky>) {
+        let Some(open) = &self.open else { return };
+        let mut appearance = open.scene.appearance().clone();
+        let rotation = appearance.environment.as_ref().map_or(0.0, |e| e.rotation);
+        appearance.environment = sky.map(|sky| {
+            Arc::new(EnvironmentDescription {
+                rotation,
+                ..sky.description()
+            })
+        });
+        self.dress(appearance);
     }
 
     /// Applies intensity and rotation of the environment.

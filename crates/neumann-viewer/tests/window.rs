@@ -5,12 +5,17 @@
 
 mod support;
 
+use std::sync::Arc;
+
 use egui::{Key, Modifiers, Theme};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use glam::{Mat4, Vec3};
 use neumann_core::film::{Strategy, TechniqueImage, View};
 use neumann_core::integrator::METHODS;
 use neumann_core::render::StopRule;
+use neumann_core::scene::Scene;
+use neumann_core::scene::description::{InstanceDescription, MeshDescription, SceneDescription};
 use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
 
@@ -347,4 +352,57 @@ fn techniques_close_with_their_method_and_with_another_view() {
     press(&mut harness, Key::V);
     press(&mut harness, Key::Num2);
     assert!(!harness.state().techniques.is_open, "the view is shown");
+}
+
+/// A triangle without light, as a file of the user's own.
+fn dark_triangle() -> Arc<Scene> {
+    let mesh = MeshDescription {
+        name: "triangle".to_owned(),
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+        triangles: vec![[0, 1, 2]],
+        ..MeshDescription::default()
+    };
+    Arc::new(Scene::build(&SceneDescription {
+        meshes: vec![mesh],
+        instances: vec![InstanceDescription {
+            name: "triangle".to_owned(),
+            mesh: 0,
+            world_from_mesh: Mat4::IDENTITY,
+        }],
+        ..SceneDescription::default()
+    }))
+}
+
+fn sky_of(harness: &Harness<'_, App>) -> Option<String> {
+    let open = harness
+        .state()
+        .setup
+        .open
+        .as_ref()
+        .expect("a scene is open");
+    let environment = open.scene.appearance().environment.as_ref();
+    environment.map(|e| e.name.clone())
+}
+
+#[test]
+fn the_default_sky_goes_at_a_click_and_others_can_be_chosen() {
+    let mut harness = harness([1280.0, 2400.0]);
+    let app = harness.state_mut();
+    app.take_scene("triangle.glb".to_owned(), dark_triangle());
+    assert!(
+        app.viewing.is_auto,
+        "files of one's own expose by themselves"
+    );
+    harness.run_steps(2);
+    assert_eq!(sky_of(&harness).as_deref(), Some("studio"));
+    click(&mut harness, "Remove sky");
+    assert_eq!(sky_of(&harness), None);
+    assert_eq!(harness.state().notices.texts().count(), 0);
+    harness.state_mut().page = Page::Scene;
+    harness.run_steps(2);
+    click(&mut harness, "Environment");
+    click(&mut harness, "sky: sun");
+    assert_eq!(sky_of(&harness).as_deref(), Some("sun"));
+    click(&mut harness, "sky: none");
+    assert_eq!(sky_of(&harness), None);
 }

@@ -116,6 +116,7 @@ pub(crate) struct ViewArguments {
     neumann render lamps -o l.exr --integrator bdpt --techniques pyramid\n  \
     neumann render room.gltf -o part2.exr --first-iteration 1024 --iterations 1024 --threads 8\n  \
     neumann render cornell -o shard3.exr --iterations 4096 --shard 3/8\n  \
+    neumann render room.gltf -o room.png --env sun --env-rotation 90 --exposure auto\n  \
     neumann render cornell -o c.exr --eye 0,1,4 --target 0,1,0 --fov 35 --set roulette=off --json"
 )]
 pub(crate) struct RenderArguments {
@@ -281,6 +282,7 @@ mod tests {
     use clap::{CommandFactory, Parser};
 
     use super::{Cli, Command};
+    use crate::options::Exposure;
 
     #[test]
     fn the_description_is_consistent() {
@@ -318,7 +320,7 @@ mod tests {
             Some(glam::Vec3::new(-1.0, 2.0, 3.5))
         );
         assert_eq!(render.settings.set[1], ("b".to_owned(), "on".to_owned()));
-        assert!((render.display.exposure + 1.5).abs() < 1e-6);
+        assert_eq!(render.display.exposure, Some(Exposure::Stops(-1.5)));
         let cli = Cli::try_parse_from(["neumann", "cornell"]).unwrap();
         assert_eq!(cli.scene.as_deref(), Some("cornell"));
         assert!(Cli::try_parse_from(["neumann"]).unwrap().command.is_none());

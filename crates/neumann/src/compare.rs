@@ -36,7 +36,7 @@ pub(crate) fn run(arguments: &CompareArguments) -> Outcome {
         ))
     })?;
     let reference = read_layer(&arguments.reference, layer, &mut memory).or_bad_input()?;
-    let display = arguments.display.display();
+    let display = arguments.display.display(|| reference.pixels.clone());
     let comparison = compare(&image, &reference, &display).or_bad_input()?;
     if let Some(output) = &arguments.output {
         write_difference(output, &image, &reference)?;

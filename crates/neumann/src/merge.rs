@@ -33,7 +33,7 @@ pub(crate) fn run(arguments: &MergeArguments) -> Outcome {
         film: &whole.film,
         features: whole.features.as_ref(),
         metadata: &whole.metadata,
-        display: arguments.display.display(),
+        display: arguments.display.display(|| whole.film.total()),
         precision: Precision::Full,
     };
     picture.write_all(&arguments.outputs)?;

@@ -11,12 +11,13 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::Vec3;
 use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, ParameterValues, method};
-use neumann_core::render::{RenderSettings, WorkerPool};
+use neumann_core::radiometry::Rgb;
+use neumann_core::render::{RenderSettings, WorkerPool, lit};
 use neumann_core::scene::builtin::builtin;
-use neumann_core::scene::description::CameraDescription;
-use neumann_core::scene::load::{LoadOptions, load_environment};
-use neumann_core::scene::{self, Scene};
-use neumann_picture::tone::{Display, ToneCurve};
+use neumann_core::scene::description::{CameraDescription, EnvironmentDescription};
+use neumann_core::scene::load::LoadOptions;
+use neumann_core::scene::{self, Scene, SkyChoice};
+use neumann_picture::tone::{Display, ToneCurve, auto_exposure};
 
 use crate::console;
 use crate::failure::{OrBadInput, Outcome, bad_input};
@@ -103,10 +104,10 @@ pub(crate) struct CameraArguments {
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Environment")]
 pub(crate) struct EnvironmentArguments {
-    /// Environment map in place of the scene's: lat-long, .hdr or .exr. Its centre is seen looking along -Z, its right
-    /// half towards +X
-    #[arg(long, value_name = "FILE")]
-    pub(crate) env: Option<PathBuf>,
+    /// Sky in place of the scene's: studio, uniform, sun or none, or a lat-long map, .hdr or .exr ('./sun' for a file
+    /// of such a name). A map's centre is seen looking along -Z, its right half towards +X
+    #[arg(long, value_name = "NAME|FILE", value_parser = sky)]
+    pub(crate) env: Option<SkyChoice>,
     /// Factor on the environment
     #[arg(long, value_name = "F", value_parser = parse::not_negative, allow_hyphen_values = true)]
     pub(crate) env_intensity: Option<f32>,
@@ -120,12 +121,22 @@ pub(crate) struct EnvironmentArguments {
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Display")]
 pub(crate) struct DisplayOptions {
-    /// Exposure, stops
-    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = parse::stops, allow_hyphen_values = true)]
-    pub(crate) exposure: f32,
+    /// Exposure: stops, or auto to bring what is lit to middle grey on average [default: 0; in the window auto for files
+    /// of your own]
+    #[arg(long, value_name = "EV|auto", value_parser = parse::exposure, allow_hyphen_values = true)]
+    pub(crate) exposure: Option<Exposure>,
     /// Tone curve
     #[arg(long, value_name = "CURVE", default_value = "none", value_parser = tone_curves())]
     pub(crate) tone: ToneCurve,
+}
+
+/// How bright radiance is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Exposure {
+    /// Multiplied by 2 to this power.
+    Stops(f32),
+    /// As suits the picture.
+    Auto,
 }
 
 /// When rendering is done.
@@ -154,10 +165,33 @@ pub(crate) struct GoalOptions {
     pub(crate) checkpoint: Option<f64>,
 }
 
+impl EnvironmentArguments {
+    /// True if the environment is to be other than it comes.
+    fn adjusts(&self) -> bool {
+        self.env_intensity.is_some() || self.env_rotation.is_some()
+    }
+
+    /// Brightens and turns the environment.
+    fn adjust(&self, map: &mut EnvironmentDescription) {
+        map.intensity = self.env_intensity.unwrap_or(map.intensity);
+        map.rotation = self.env_rotation.map_or(map.rotation, f32::to_radians);
+    }
+}
+
 impl DisplayOptions {
-    pub(crate) fn display(&self) -> Display {
+    /// How to show pictures of which `pixels` is the one to expose for.
+    pub(crate) fn display(&self, pixels: impl FnOnce() -> Vec<Rgb>) -> Display {
+        let exposure_ev = match self.exposure {
+            None => 0.0,
+            Some(Exposure::Stops(stops)) => stops,
+            Some(Exposure::Auto) => {
+                let stops = auto_exposure(&pixels());
+                console::note(&format!("exposure {stops:.2} by itself"));
+                stops
+            }
+        };
         Display {
-            exposure_ev: self.exposure,
+            exposure_ev,
             tone: self.tone,
         }
     }
@@ -177,25 +211,11 @@ pub(crate) fn open_scene(
     check_scene(name)?;
     let mut description =
         while_waiting(&format!("reading {name}"), || scene::open(name, &options)).or_bad_input()?;
-    if let Some(path) = &environment.env {
-        let file = load_environment(path).or_bad_input()?;
-        for warning in &file.warnings {
-            console::note(&format!("warning: {warning}"));
-        }
-        description.environment = Some(file.environment);
+    if let Some(sky) = &environment.env {
+        sky.apply(&mut description).or_bad_input()?;
     }
-    if environment.env_intensity.is_some() || environment.env_rotation.is_some() {
-        let Some(map) = &mut description.environment else {
-            return Err(bad_input(format!(
-                "{name}: has no environment to turn or brighten; give one with --env"
-            )));
-        };
-        if let Some(intensity) = environment.env_intensity {
-            map.intensity = intensity;
-        }
-        if let Some(degrees) = environment.env_rotation {
-            map.rotation = degrees.to_radians();
-        }
+    if let Some(map) = &mut description.environment {
+        environment.adjust(map);
     }
     let n_triangles: usize = description
         .instances
@@ -203,7 +223,17 @@ pub(crate) fn open_scene(
         .filter_map(|i| Some(description.meshes.get(i.mesh)?.triangles.len()))
         .sum();
     let building = format!("building trees over {n_triangles} triangles");
-    let scene = while_waiting(&building, || Scene::build(&description));
+    let mut scene = while_waiting(&building, || lit(Scene::build(&description)));
+    if description.environment.is_none() && environment.adjusts() {
+        let mut appearance = scene.appearance().clone();
+        let Some(default_sky) = &mut appearance.environment else {
+            return Err(bad_input(format!(
+                "{name}: has no environment to turn or brighten; give one with --env"
+            )));
+        };
+        environment.adjust(Arc::make_mut(default_sky));
+        scene = scene.with_appearance(appearance);
+    }
     for warning in scene.warnings() {
         console::note(&format!("warning: {warning}"));
     }
@@ -259,7 +289,8 @@ impl SettingsOptions {
         if builtin(name).is_none() {
             inputs.push(PathBuf::from(name));
         }
-        inputs.extend(self.environment.env.clone());
+        let sky = self.environment.env.as_ref();
+        inputs.extend(sky.and_then(SkyChoice::file).cloned());
         inputs
     }
 
@@ -291,6 +322,11 @@ fn integrators() -> impl TypedValueParser<Value = String> {
             .iter()
             .map(|m| PossibleValue::new(m.id).help(m.name)),
     )
+}
+
+/// A sky by name, or a map by path.
+fn sky(text: &str) -> Result<SkyChoice, std::convert::Infallible> {
+    Ok(SkyChoice::from_word(text))
 }
 
 fn tone_curves() -> impl TypedValueParser<Value = ToneCurve> {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use neumann_core::film::{Features, Film};
+use neumann_core::radiometry::Rgb;
 use neumann_core::render::RenderSettings;
 use neumann_picture::Image;
 use neumann_picture::exr_file::{Metadata, Precision, write_exr_as};
@@ -129,6 +130,7 @@ impl Picture<'_> {
                     ..Image::default()
                 };
                 write_png(path, &Pixels8::of(&image, &self.display))?;
+                note_clipping(path, &image.pixels, &self.display);
             }
         }
         Ok(())
@@ -149,11 +151,77 @@ impl Picture<'_> {
     }
 }
 
+/// Says so if hardly anything of a picture can be told apart for want of exposure.
+pub(crate) fn note_clipping(path: &Path, pixels: &[Rgb], display: &Display) {
+    if let Some(what) = clipping(pixels, display) {
+        console::note(&format!(
+            "warning: {}: {what}; try --exposure auto",
+            path.display()
+        ));
+    }
+}
+
+/// From this share of the lit pixels on, a picture is as good as of one colour.
+const NEARLY_ALL: f64 = 0.95;
+
+/// What is wrong with a picture of which nearly all that is lit is shown as white or as black.
+fn clipping(pixels: &[Rgb], display: &Display) -> Option<String> {
+    // Black from black is no matter of exposure; white from 1 is no more than white.
+    let lit: Vec<&Rgb> = pixels.iter().filter(|p| !p.is_black()).collect();
+    let scale = display.exposure_ev.exp2();
+    let is_beyond = |p: &Rgb| p.r.min(p.g).min(p.b) * scale > 1.01;
+    let share = |is_clipped: &dyn Fn(&Rgb) -> bool| {
+        lit.iter().filter(|p| is_clipped(p)).count() as f64 / lit.len().max(1) as f64
+    };
+    let white = share(&|p| is_beyond(p) && display.srgb8(*p) == [255; 3]);
+    let black = share(&|p| display.srgb8(*p) == [0; 3]);
+    let (share, colour) = if white >= black {
+        (white, "white")
+    } else {
+        (black, "black")
+    };
+    (share >= NEARLY_ALL).then(|| {
+        format!(
+            "{:.0} % of what is lit is shown as {colour}",
+            (share * 100.0).floor()
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::{Path, PathBuf};
 
-    use super::{Kind, check, checkpoint, kind, refuse_inputs};
+    use neumann_core::radiometry::Rgb;
+    use neumann_picture::tone::Display;
+
+    use super::{Kind, check, checkpoint, clipping, kind, refuse_inputs};
+
+    #[test]
+    fn pictures_beyond_the_screen_are_told() {
+        let display = |exposure_ev| Display {
+            exposure_ev,
+            ..Display::default()
+        };
+        // Two of a hundred can be told apart, on a black ground.
+        let mut pixels = vec![Rgb::BLACK; 1000];
+        pixels.extend((0..100).map(|i| Rgb::splat(if i < 2 { 0.3 } else { 400.0 })));
+        assert!(
+            clipping(&pixels, &display(0.0))
+                .unwrap()
+                .contains("98 % of what is lit is shown as white")
+        );
+        assert_eq!(clipping(&pixels, &display(-9.5)), None);
+        assert!(
+            clipping(&pixels, &display(-22.0))
+                .unwrap()
+                .contains("black")
+        );
+        // A white sky is white and no more; a colour is not white.
+        assert_eq!(clipping(&[Rgb::WHITE; 9], &display(0.0)), None);
+        assert_eq!(clipping(&[Rgb::new(9.0, 0.5, 0.0); 9], &display(0.0)), None);
+        assert_eq!(clipping(&[Rgb::BLACK; 9], &display(0.0)), None);
+    }
 
     #[test]
     fn kinds_follow_from_names() {

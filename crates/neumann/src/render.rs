@@ -55,21 +55,27 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         _ => checkpoint.ok(),
     };
     let write = |film: &Film, features: &Features, metadata: &Metadata| match checkpoint {
-        Some(path) => picture(arguments, film, features, metadata).write(path),
+        Some(path) => {
+            // An .exr holds radiance, however it is shown.
+            let display = Display::default();
+            picture(arguments, film, features, metadata, display).write(path)
+        }
         None => Ok(()),
     };
     let saver = checkpoint.map(|_| Saver::new(arguments.goal.checkpoint, &write));
     let rendered = session.render(before, saver, &interrupt::token());
     refuse_empty(&rendered)?;
+    let display = arguments.display.display(|| rendered.film.total());
     let picture = picture(
         arguments,
         &rendered.film,
         &rendered.features,
         &rendered.metadata,
+        display,
     );
     picture.write_all(&arguments.outputs)?;
     if let (Some(folder), Some(film)) = (&arguments.techniques, &rendered.techniques) {
-        write_techniques(folder, film, &rendered, arguments.display.display())?;
+        write_techniques(folder, film, &rendered, display)?;
     }
     console::note(&summary(&rendered));
     if arguments.json {
@@ -88,12 +94,13 @@ fn picture<'a>(
     film: &'a Film,
     features: &'a Features,
     metadata: &'a Metadata,
+    display: Display,
 ) -> Picture<'a> {
     Picture {
         film,
         features: Some(features),
         metadata,
-        display: arguments.display.display(),
+        display,
         precision: if arguments.half {
             Precision::Half
         } else {

@@ -16,7 +16,7 @@ use crate::cli::SeriesArguments;
 use crate::console;
 use crate::failure::{OrBadInput, Outcome, bad_input};
 use crate::interrupt;
-use crate::outputs::{self, Picture};
+use crate::outputs::{self, Picture, note_clipping};
 use crate::render::{completeness, refuse_empty, report, summary};
 use crate::session::{Goal, Rendered, Saver, Session};
 
@@ -46,13 +46,12 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
     } else {
         None
     };
-    let display = arguments.display.display();
     let write_checkpoint = |film: &Film, features: &Features, metadata: &Metadata| {
         let picture = Picture {
             film,
             features: Some(features),
             metadata,
-            display,
+            display: Display::default(),
             precision: Precision::Full,
         };
         picture.write(&checkpoint)
@@ -60,6 +59,7 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
     let saver = Saver::new(arguments.goal.checkpoint, &write_checkpoint);
     let rendered = session.render(before, Some(saver), &interrupt::token());
     refuse_empty(&rendered)?;
+    let display = arguments.display.display(|| rendered.film.total());
     let outputs = write(&arguments.folder, &rendered, display)?;
     console::note(&summary(&rendered));
     if arguments.json {
@@ -103,6 +103,9 @@ pub(crate) fn write(folder: &Path, rendered: &Rendered, display: Display) -> Out
         let image = image_of(film, view);
         let png = folder.join(name_of(view, "png"));
         write_png(&png, &Pixels8::of(&image, &display))?;
+        if view == View::Total {
+            note_clipping(&png, &image.pixels, &display);
+        }
         outputs.push(png);
         if view != View::Total {
             let exr = folder.join(name_of(view, "exr"));

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use neumann_picture::tone::Display;
+use neumann_core::scene::builtin::builtin;
 
 use crate::console;
 use crate::failure::Outcome;
 use crate::interrupt;
-use crate::options::{GoalOptions, SettingsOptions};
+use crate::options::{DisplayOptions, Exposure, GoalOptions, SettingsOptions};
 use crate::render::{completeness, refuse_empty, summary};
 use crate::series;
 use crate::session::{Goal, Session};
@@ -36,6 +36,7 @@ fn render(scene: &str) -> Outcome {
     let folder = Path::new(FOLDER);
     series::make_folder(folder)?;
     let options = SettingsOptions::defaults();
+    let is_builtin = builtin(scene).is_some();
     let (scene, settings) = options.resolve(scene)?;
     let session = Session {
         scene,
@@ -47,7 +48,12 @@ fn render(scene: &str) -> Outcome {
     session.check()?;
     let rendered = session.render(None, None, &interrupt::token());
     refuse_empty(&rendered)?;
-    let outputs = series::write(folder, &rendered, Display::default())?;
+    let display = DisplayOptions {
+        exposure: (!is_builtin).then_some(Exposure::Auto),
+        ..DisplayOptions::default()
+    };
+    let display = display.display(|| rendered.film.total());
+    let outputs = series::write(folder, &rendered, display)?;
     console::note(&summary(&rendered));
     console::note(&format!(
         "wrote {} files to ./{FOLDER}; ./{FOLDER}/sheet.png shows the whole series",

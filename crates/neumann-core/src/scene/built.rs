@@ -7,17 +7,14 @@ use glam::Vec3;
 use super::appearance::Appearance;
 use super::bodies::Bodies;
 use super::casters::{Caster, casters};
-use super::description::{
-    CameraDescription, EnvironmentDescription, LoadReport, Projection, SceneDescription,
-};
+use super::description::{CameraDescription, DefaultSky, LoadReport, Projection, SceneDescription};
 use super::geometry::{Geometry, PlacedMesh};
-use super::{OpeningProgress, build, lighting};
+use super::{OpeningProgress, Sky, build, lighting};
 use crate::accel::{Bvh, TreeQuality};
 use crate::bsdf::{Bsdf, Lambert};
 use crate::endpoint::Lights;
 use crate::endpoint::light::Light;
 use crate::material::{Material, TextureImage};
-use crate::radiometry::Rgb;
 
 /// A scene ready to trace: immutable while it renders.
 #[derive(Clone, Debug)]
@@ -31,6 +28,8 @@ pub struct Scene {
     cameras: Arc<[CameraDescription]>,
     report: Arc<LoadReport>,
     warnings: Arc<[String]>,
+    default_sky: DefaultSky,
+    has_default_sky: bool,
     appearance: Appearance,
     materials: Vec<Material>,
     lights: Lights,
@@ -133,22 +132,21 @@ impl Scene {
         if cameras.is_empty() {
             cameras.push(camera_for_bounds(geometry.min, geometry.max));
         }
-        let is_dark = |a: &Appearance| {
-            a.environment.is_none()
-                && a.lights.is_empty()
-                && !geometry.meshes().iter().any(|mesh| {
-                    let material = &a.materials[mesh.material as usize];
-                    !material.emission.is_black() || material.is_unlit
-                })
-        };
-        if is_dark(&appearance) {
-            warnings.push(
-                "the scene has no light; a uniform white sky of radiance 1 is used".to_owned(),
-            );
-            appearance.environment = Some(Arc::new(EnvironmentDescription::uniform(Rgb::WHITE)));
+        let is_dark = appearance.environment.is_none()
+            && appearance.lights.is_empty()
+            && !geometry.meshes().iter().any(|mesh| {
+                let material = &appearance.materials[mesh.material as usize];
+                !material.emission.is_black() || material.is_unlit
+            });
+        let has_default_sky = is_dark && description.default_sky == DefaultSky::WhereDim;
+        if has_default_sky {
+            warnings.push("the scene has no light; the built-in sky 'studio' is added".to_owned());
+            appearance.environment = Some(Arc::new(Sky::Studio.description()));
         }
         let dress = dress(&geometry, &bvh, &images, &appearance);
         Self {
+            default_sky: description.default_sky,
+            has_default_sky,
             name: description.name.clone(),
             about: description.about.clone(),
             content_hash: description.content_hash,
@@ -197,6 +195,34 @@ impl Scene {
             casters: dress.casters,
             bodies: dress.bodies,
             ..self.clone()
+        }
+    }
+
+    /// True if a sky that is not the file's was added for want of other light.
+    #[must_use]
+    pub fn has_default_sky(&self) -> bool {
+        self.has_default_sky
+    }
+
+    /// True if a sky may be added: the file has none, and nobody said that there is to be none.
+    #[must_use]
+    pub fn may_have_default_sky(&self) -> bool {
+        self.default_sky == DefaultSky::WhereDim
+            && self.appearance.environment.is_none()
+            && !self.has_default_sky
+    }
+
+    /// The same scene under the built-in sky `studio`; `why` is told with its warnings.
+    #[must_use]
+    pub fn with_default_sky(&self, why: &str) -> Self {
+        let mut appearance = self.appearance.clone();
+        appearance.environment = Some(Arc::new(Sky::Studio.description()));
+        let mut warnings = self.warnings.to_vec();
+        warnings.push(format!("{why}; the built-in sky 'studio' is added"));
+        Self {
+            has_default_sky: true,
+            warnings: warnings.into(),
+            ..self.with_appearance(appearance)
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::description::SceneDescription;
+use super::description::{DefaultSky, SceneDescription};
 use super::load::{self, LoadError, LoadOptions};
 
 /// A scene that comes with the program.
@@ -62,6 +62,8 @@ impl Builtin {
         let mut description = load::load_bytes(self.name, self.glb, &|uri| {
             (uri == "sky.hdr").then(|| SKY.to_vec())
         })?;
+        // They are lit as they are meant to be.
+        description.default_sky = DefaultSky::Never;
         // The file's own name is a sentence on what it is there to show.
         self.name.clone_into(&mut description.name);
         Ok(description)

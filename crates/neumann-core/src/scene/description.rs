@@ -36,8 +36,20 @@ pub struct SceneDescription {
     pub cameras: Vec<CameraDescription>,
     /// Light from infinitely far away.
     pub environment: Option<EnvironmentDescription>,
+    /// What lights it where its own light does not.
+    pub default_sky: DefaultSky,
     /// What the reader wants the user to know.
     pub report: LoadReport,
+}
+
+/// Whether the built-in sky `studio` may light a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DefaultSky {
+    /// Where its own light is absent, or dim beside what the camera would see.
+    #[default]
+    WhereDim,
+    /// Never: the scene is as dark as it is.
+    Never,
 }
 
 /// What was found in the file beside the scene itself.
@@ -390,6 +402,19 @@ pub struct EnvironmentDescription {
     pub intensity: f32,
     /// Turns the map about +Y, radians, counter-clockwise seen from above.
     pub rotation: f32,
+    /// A disk in front of the map, too small for its texels.
+    pub sun: Option<SunDescription>,
+}
+
+/// A disk of one radiance, infinitely far away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SunDescription {
+    /// Towards its middle, unit, as the map stands before it is turned.
+    pub direction: Vec3,
+    /// Half the angle it fills, radians, above 0.
+    pub angular_radius: f32,
+    /// Radiance; added to that of the map, and multiplied by `intensity` like it.
+    pub radiance: Rgb,
 }
 
 impl EnvironmentDescription {
@@ -403,6 +428,7 @@ impl EnvironmentDescription {
             texels: vec![radiance].into(),
             intensity: 1.0,
             rotation: 0.0,
+            sun: None,
         }
     }
 }

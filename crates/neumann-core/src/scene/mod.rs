@@ -15,9 +15,11 @@ pub mod geometry;
 mod lighting;
 pub mod load;
 mod progress;
+mod sky;
 
 pub use appearance::{Appearance, Level};
 pub use built::{BetterTree, Scene, Statistics};
 pub use builtin::open;
 pub use casters::Caster;
 pub use progress::{OpeningProgress, OpeningStep};
+pub use sky::{Sky, SkyChoice};

@@ -212,8 +212,15 @@ pub fn environment_text(environment: Option<&EnvironmentDescription>) -> String 
     let Some(e) = environment else {
         return "none".to_owned();
     };
-    let bits = e.texels.iter().flat_map(Rgb::to_array).map(f32::to_bits);
-    let hash = fnv1a(bits);
+    let texels = e.texels.iter().flat_map(Rgb::to_array);
+    let sun = e.sun.into_iter().flat_map(|sun| {
+        let (direction, radiance) = (sun.direction.to_array(), sun.radiance.to_array());
+        direction
+            .into_iter()
+            .chain([sun.angular_radius])
+            .chain(radiance)
+    });
+    let hash = fnv1a(texels.chain(sun).map(f32::to_bits));
     format!(
         "{} {}x{} {hash:016x}; intensity {}; rotation {}",
         e.name, e.width, e.height, e.intensity, e.rotation

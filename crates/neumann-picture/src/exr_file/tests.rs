@@ -3,7 +3,7 @@ use neumann_core::film::{Features, Film};
 use neumann_core::memory::Share;
 use neumann_core::radiometry::Rgb;
 use neumann_core::scene::description::{
-    CameraDescription, EnvironmentDescription, Lens, Projection,
+    CameraDescription, EnvironmentDescription, Lens, Projection, SunDescription,
 };
 
 use super::{
@@ -330,5 +330,12 @@ fn cameras_and_environments_differ_in_words_where_they_differ() {
         environment_text(Some(&sky)),
         environment_text(Some(&brighter))
     );
+    let mut sunny = sky.clone();
+    sunny.sun = Some(SunDescription {
+        direction: Vec3::Y,
+        angular_radius: 0.01,
+        radiance: Rgb::WHITE,
+    });
+    assert_ne!(environment_text(Some(&sky)), environment_text(Some(&sunny)));
     assert_eq!(environment_text(None), "none");
 }

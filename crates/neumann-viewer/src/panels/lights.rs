@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::Ui;
-use neumann_core::scene::{Appearance, Level};
+use neumann_core::scene::{Appearance, Level, Sky};
 
 use crate::app::App;
+use crate::notices::Offer;
 use crate::scene_source::Wanted;
-use crate::widgets::{Slider, button, fold, hint, switch, text_field};
+use crate::widgets::{Slider, button, choice_row, fold, hint, switch, text_field};
 
 pub(super) fn show(ui: &mut Ui, app: &mut App) {
     let Some(open) = &app.setup.open else { return };
@@ -89,6 +90,20 @@ fn level_row(ui: &mut Ui, name: &str, level: &mut Level) -> bool {
 
 fn environment(ui: &mut Ui, app: &mut App, appearance: &mut Appearance) -> bool {
     let mut is_changed = false;
+    // Whatever it is called, a sky is named by its formula: a file of that name has an ending.
+    let now = appearance.environment.as_ref();
+    let chosen = match now {
+        None => Some(Sky::ALL.len()),
+        Some(map) => Sky::ALL.iter().position(|sky| sky.name() == map.name),
+    };
+    let mut names: Vec<&str> = Sky::ALL.iter().map(|sky| sky.name()).collect();
+    names.push("none");
+    let clicked = choice_row(ui, "sky", &names, chosen.unwrap_or(usize::MAX));
+    if let Some(i) = clicked.filter(|i| Some(*i) != chosen) {
+        app.notices.withdraw(Offer::RemoveSky);
+        app.setup.choose_sky(Sky::ALL.get(i).copied());
+        return false;
+    }
     if let Some(map) = &appearance.environment {
         hint(ui, &format!("{}, {} × {}", map.name, map.width, map.height));
         let mut rotation = f64::from(map.rotation.to_degrees());
@@ -102,8 +117,6 @@ fn environment(ui: &mut Ui, app: &mut App, appearance: &mut Appearance) -> bool 
             Arc::make_mut(map).rotation = (rotation as f32).to_radians();
             is_changed = true;
         }
-    } else {
-        hint(ui, "none");
     }
     text_field(ui, "path of a .hdr or .exr map", &mut app.environment_path);
     ui.horizontal(|ui| {
@@ -113,10 +126,6 @@ fn environment(ui: &mut Ui, app: &mut App, appearance: &mut Appearance) -> bool 
         }
         if button(ui, "Browse …").clicked() {
             app.background.choose(Wanted::Environment);
-        }
-        if appearance.environment.is_some() && button(ui, "Remove").clicked() {
-            appearance.environment = None;
-            is_changed = true;
         }
     });
     is_changed

@@ -4,6 +4,8 @@ use std::ops::RangeInclusive;
 
 use glam::Vec3;
 
+use super::Exposure;
+
 /// Pixels along an edge.
 const MAX_EDGE: usize = 65_535;
 /// Pixels of a picture.
@@ -113,11 +115,15 @@ pub(super) fn finite(text: &str) -> Result<f32, String> {
     number(text, "use a number", |_| true)
 }
 
-/// Stops of exposure: beyond these, single precision has no brightness left.
-pub(super) fn stops(text: &str) -> Result<f32, String> {
-    number(text, "use stops from -100 to 100", |v| {
+/// Stops of exposure, or `auto`: beyond 100, single precision has no brightness left.
+pub(super) fn exposure(text: &str) -> Result<Exposure, String> {
+    if text == "auto" {
+        return Ok(Exposure::Auto);
+    }
+    number(text, "use stops from -100 to 100, or auto", |v| {
         (-100.0..=100.0).contains(&v)
     })
+    .map(Exposure::Stops)
 }
 
 /// Degrees between 0 and 180.
@@ -141,7 +147,9 @@ where
 mod tests {
     use glam::Vec3;
 
-    use super::{angle_of_view, assignment, bytes, finite, positive, size, vector};
+    use super::{
+        Exposure, angle_of_view, assignment, bytes, exposure, finite, positive, size, vector,
+    };
 
     #[test]
     fn values_read_as_written() {
@@ -151,6 +159,8 @@ mod tests {
         assert_eq!(positive("0.25"), Ok(0.25));
         assert_eq!(bytes("1000"), Ok(1000));
         assert_eq!((bytes("1.5k"), bytes("2 GiB")), (Ok(1536), Ok(2 << 30)));
+        assert_eq!(exposure("-1.5"), Ok(Exposure::Stops(-1.5)));
+        assert_eq!(exposure("auto"), Ok(Exposure::Auto));
     }
 
     #[test]
@@ -166,6 +176,7 @@ mod tests {
         }
         assert!(positive("0").is_err() && positive("nan").is_err() && positive("inf").is_err());
         assert!(angle_of_view("180").is_err() && finite("inf").is_err());
+        assert!(exposure("automatic").is_err() && exposure("nan").is_err());
         assert!(assignment("=3").is_err() && assignment("x").is_err());
     }
 }

@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use neumann_core::render::StopRule;
+use neumann_core::scene::SkyChoice;
 use neumann_viewer::{CameraOptions, EnvironmentOptions, Screenshot, ViewError, ViewOptions};
 
 use super::NoWindow;
 use crate::cli::ViewArguments;
 use crate::failure::{Outcome, bad_input};
+use crate::options::Exposure;
 use crate::outputs;
 use crate::session::check_film;
 use crate::suggest::check_scene;
@@ -46,7 +48,8 @@ pub(crate) fn run(arguments: &ViewArguments) -> Outcome {
         let path = std::slice::from_ref(path);
         outputs::check(path)?;
         outputs::refuse_inputs(path, [&PathBuf::from(&arguments.scene)])?;
-        outputs::refuse_inputs(path, &arguments.settings.environment.env)?;
+        let sky = arguments.settings.environment.env.as_ref();
+        outputs::refuse_inputs(path, sky.and_then(SkyChoice::file))?;
     }
     if let Some((width, height)) = arguments.settings.size {
         check_film(width, height, arguments.settings.layers as usize)?;
@@ -98,7 +101,7 @@ fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
             focus: camera.focus,
         },
         environment: EnvironmentOptions {
-            file: environment.env.clone(),
+            sky: environment.env.clone(),
             intensity: environment.env_intensity,
             rotation: environment.env_rotation,
         },
@@ -108,7 +111,11 @@ fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
         size: settings.size,
         stop,
         view: arguments.view,
-        exposure_ev: arguments.display.exposure,
+        exposure: match arguments.display.exposure {
+            None => neumann_viewer::Exposure::ForScene,
+            Some(Exposure::Stops(stops)) => neumann_viewer::Exposure::Stops(stops),
+            Some(Exposure::Auto) => neumann_viewer::Exposure::Auto,
+        },
         tone: arguments.display.tone,
         threads: settings.threads.map(|n| n as usize),
         screenshot,

@@ -3,7 +3,8 @@
 //! Radiance is bilinear between texel centres. The density is constant over a
 //! texel in (u, v), proportional to the integral of the bilinear radiance over that
 //! texel times sin θ, so that nothing bright is ever drawn with density zero. A map of one
-//! colour is a uniform sky, whose directions need no map.
+//! colour is a uniform sky, whose directions need no map. A sun is a disk of even radiance on top of
+//! the map; a direction is drawn from either in proportion to what they send.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
@@ -12,11 +13,12 @@ use glam::Vec3;
 
 use super::{Bounds, disk_pdf_a, position_before_scene};
 use crate::endpoint::{Aim, Spread, Start, StartDensities};
+use crate::math::Frame;
 use crate::math::ray::NO_TRIANGLE;
 use crate::radiometry::Rgb;
-use crate::sampling::discrete::Grid2;
+use crate::sampling::discrete::{Grid2, one_of_two};
 use crate::sampling::warp;
-use crate::scene::description::EnvironmentDescription;
+use crate::scene::description::{EnvironmentDescription, SunDescription};
 
 /// Light from every direction.
 #[derive(Clone, Debug)]
@@ -26,6 +28,7 @@ pub struct EnvironmentLight {
     sin_rotation: f32,
     cos_rotation: f32,
     distribution: Distribution,
+    sun: Option<Sun>,
     /// `∫ L dω`, W/m².
     fluence: Rgb,
 }
@@ -37,6 +40,18 @@ enum Distribution {
     Uniform(Rgb),
     /// By the texels.
     Texels(Grid2),
+}
+
+/// A disk in front of the map, as it stands in the world.
+#[derive(Clone, Copy, Debug)]
+struct Sun {
+    frame: Frame,
+    /// Sine of a quarter of the angle it fills: its solid angle is 4π times the square.
+    sin_half_radius: f32,
+    radiance: Rgb,
+    pdf_w: f32,
+    /// How often a direction is drawn from it.
+    share: f32,
 }
 
 /// A map of one row still needs rows, so that its density can follow sin θ.
@@ -58,7 +73,6 @@ impl EnvironmentLight {
             ((top * h).cos() - (bottom * h).cos()) * std::f64::consts::TAU / columns as f64
         };
         let intensity = map.intensity * brightness;
-        let (sin_rotation, cos_rotation) = map.rotation.sin_cos();
         let mut fluence = [0f64; 3];
         let mut add = |mean: Rgb, w: f64| {
             for (sum, c) in fluence.iter_mut().zip(mean.to_array()) {
@@ -68,11 +82,10 @@ impl EnvironmentLight {
         };
         let first = map.texels.get(0);
         let distribution = if map.texels.iter().all(|texel| texel == first) {
-            let sum: f64 = (0..rows).map(|y| add(first, solid_angle(y))).sum();
-            fluence = fluence.map(|c| c * columns as f64);
-            if sum <= 0.0 {
-                return None;
+            for y in 0..rows {
+                add(first, solid_angle(y));
             }
+            fluence = fluence.map(|c| c * columns as f64);
             Distribution::Uniform(first * intensity)
         } else {
             let mut means = Means::new(map, rows);
@@ -83,13 +96,22 @@ impl EnvironmentLight {
                 }
             })?)
         };
-        (intensity > 0.0).then(|| Self {
+        let sin_cos = map.rotation.sin_cos();
+        let map_power = fluence.iter().sum::<f64>() as f32 / 3.0;
+        let sun = map.sun.and_then(|sun| Sun::new(&sun, sin_cos, map_power));
+        let fluence = sun.map_or(Rgb::BLACK, |sun| sun.radiance / sun.pdf_w)
+            + Rgb::from(fluence.map(|c| c as f32));
+        (intensity > 0.0 && !fluence.is_black()).then(|| Self {
             map: Arc::clone(map),
             intensity,
-            sin_rotation,
-            cos_rotation,
+            sin_rotation: sin_cos.0,
+            cos_rotation: sin_cos.1,
             distribution,
-            fluence: Rgb::from(fluence.map(|c| c as f32)) * intensity,
+            sun: sun.map(|sun| Sun {
+                radiance: sun.radiance * intensity,
+                ..sun
+            }),
+            fluence: fluence * intensity,
         })
     }
 
@@ -101,18 +123,28 @@ impl EnvironmentLight {
     #[must_use]
     #[inline]
     pub fn radiance(&self, direction: Vec3) -> Rgb {
-        match &self.distribution {
+        let of_map = match &self.distribution {
             Distribution::Uniform(radiance) => *radiance,
             Distribution::Texels(_) => self.interpolated(direction),
+        };
+        match &self.sun {
+            Some(sun) if sun.holds(direction) => of_map + sun.radiance,
+            _ => of_map,
         }
+    }
+
+    /// True if `direction` is in the sun's disk.
+    #[must_use]
+    pub fn is_in_sun(&self, direction: Vec3) -> bool {
+        self.sun.is_some_and(|sun| sun.holds(direction))
     }
 
     /// Radiance, if it is the same from everywhere.
     #[must_use]
     pub fn uniform_radiance(&self) -> Option<Rgb> {
         match &self.distribution {
-            Distribution::Uniform(radiance) => Some(*radiance),
-            Distribution::Texels(_) => None,
+            Distribution::Uniform(radiance) if self.sun.is_none() => Some(*radiance),
+            _ => None,
         }
     }
 
@@ -133,11 +165,23 @@ impl EnvironmentLight {
     /// Density of `direction` in `aim`, 1/sr.
     #[must_use]
     pub fn pdf_w(&self, direction: Vec3) -> f32 {
-        match &self.distribution {
+        let of_map = match &self.distribution {
             Distribution::Uniform(_) => warp::UNIFORM_SPHERE_PDF_W,
             Distribution::Texels(grid) => {
                 let uv = self.uv(direction);
                 pdf_w_from_density(grid.density(uv), uv[1])
+            }
+        };
+        self.mixed(direction, of_map)
+    }
+
+    /// Density of a direction that the map alone would yield with density `of_map`.
+    fn mixed(&self, direction: Vec3, of_map: f32) -> f32 {
+        match &self.sun {
+            None => of_map,
+            Some(sun) => {
+                let of_sun = if sun.holds(direction) { sun.pdf_w } else { 0.0 };
+                sun.share * of_sun + (1.0 - sun.share) * of_map
             }
         }
     }
@@ -192,20 +236,30 @@ impl EnvironmentLight {
         })
     }
 
-    fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32)> {
-        let (direction, pdf_w) = match &self.distribution {
+    fn sample(&self, mut u: [f32; 2]) -> Option<(Vec3, f32)> {
+        if let Some(sun) = &self.sun {
+            let (is_of_sun, rest) = one_of_two(u[0], sun.share);
+            u[0] = rest;
+            if is_of_sun {
+                let direction = sun.direction(u);
+                let pdf_w = self.pdf_w(direction);
+                return (pdf_w > 0.0).then_some((direction, pdf_w));
+            }
+        }
+        let (direction, of_map) = match &self.distribution {
             Distribution::Uniform(_) => (warp::uniform_sphere(u), warp::UNIFORM_SPHERE_PDF_W),
             Distribution::Texels(grid) => {
                 let (uv, density) = grid.sample(u);
                 (self.direction(uv), pdf_w_from_density(density, uv[1]))
             }
         };
+        let pdf_w = self.mixed(direction, of_map);
         (pdf_w > 0.0).then_some((direction, pdf_w))
     }
 
     /// `u = 1/2 + atan2(x, -z) / 2π`, `v = acos(y) / π` of the direction turned back by the rotation.
     fn uv(&self, direction: Vec3) -> [f32; 2] {
-        let d = self.turned(direction, -self.sin_rotation);
+        let d = turned(direction, (-self.sin_rotation, self.cos_rotation));
         let u = 0.5 + d.x.atan2(-d.z) / TAU;
         // The arc cosine of y would lose half of all digits near the poles.
         let v = (d.x * d.x + d.z * d.z).sqrt().atan2(d.y) / PI;
@@ -216,14 +270,44 @@ impl EnvironmentLight {
         let (sin_theta, cos_theta) = (PI * v).sin_cos();
         let (sin_phi, cos_phi) = (TAU * (u - 0.5)).sin_cos();
         let d = Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi);
-        self.turned(d, self.sin_rotation)
+        turned(d, (self.sin_rotation, self.cos_rotation))
+    }
+}
+
+impl Sun {
+    /// Before `intensity`; `None` if it sends nothing. `map_power` is what the map sends beside it.
+    fn new(sun: &SunDescription, sin_cos: (f32, f32), map_power: f32) -> Option<Self> {
+        let sin_half_radius = (0.5 * sun.angular_radius).sin();
+        let solid_angle = 4.0 * PI * sin_half_radius * sin_half_radius;
+        let power = sun.radiance.mean() * solid_angle;
+        (power > 0.0).then(|| Self {
+            frame: Frame::from_z(turned(sun.direction, sin_cos)),
+            sin_half_radius,
+            radiance: sun.radiance,
+            pdf_w: 1.0 / solid_angle,
+            share: power / (power + map_power),
+        })
     }
 
-    /// Turns about +Y, counter-clockwise seen from above for a positive sine.
-    fn turned(&self, d: Vec3, sin: f32) -> Vec3 {
-        let cos = self.cos_rotation;
-        Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x)
+    /// The chord is exact where the cosine of so small an angle would have lost its digits.
+    fn holds(&self, direction: Vec3) -> bool {
+        let chord = 2.0 * self.sin_half_radius;
+        (direction - self.frame.z).length_squared() <= chord * chord
     }
+
+    /// Uniform in the disk: the square of the chord is.
+    fn direction(&self, u: [f32; 2]) -> Vec3 {
+        let p = warp::disk(u) * self.sin_half_radius;
+        let half_chord_squared = p.length_squared();
+        let stretch = 2.0 * (1.0 - half_chord_squared).sqrt();
+        let local = Vec3::new(p.x * stretch, p.y * stretch, 1.0 - 2.0 * half_chord_squared);
+        self.frame.world_from_local(local)
+    }
+}
+
+/// Turns about +Y, counter-clockwise seen from above for a positive sine.
+fn turned(d: Vec3, (sin, cos): (f32, f32)) -> Vec3 {
+    Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x)
 }
 
 /// Density over directions of one over (u, v).
@@ -296,7 +380,7 @@ mod tests {
 
     use super::EnvironmentLight;
     use crate::radiometry::Rgb;
-    use crate::scene::description::EnvironmentDescription;
+    use crate::scene::description::{EnvironmentDescription, SunDescription};
 
     #[test]
     fn directions_and_coordinates_invert() {
@@ -320,6 +404,47 @@ mod tests {
         assert!((light.uv(Vec3::NEG_Z)[0] - 0.5).abs() < 1e-6);
         assert!((light.uv(Vec3::X)[0] - 0.75).abs() < 1e-6);
         assert!(light.uv(Vec3::Y)[1].abs() < 1e-6);
+    }
+
+    /// Directions of the sun are in its disk, evenly, and come with the density that is stated for them.
+    #[test]
+    fn a_sun_is_drawn_in_proportion_to_what_it_sends() {
+        for angular_radius in [0.00465f32, 0.2, 1.5] {
+            let mut map = EnvironmentDescription::uniform(Rgb::WHITE);
+            let solid_angle = 4.0 * std::f32::consts::PI * (0.5 * angular_radius).sin().powi(2);
+            map.rotation = 0.9;
+            map.sun = Some(SunDescription {
+                direction: Vec3::new(0.5, 0.6, -0.4).normalize(),
+                angular_radius,
+                radiance: Rgb::splat(12.0 * std::f32::consts::PI / solid_angle),
+            });
+            let light = EnvironmentLight::new(&Arc::new(map), 1.0).unwrap();
+            assert!(light.uniform_radiance().is_none());
+            assert!((light.fluence.g / (16.0 * std::f32::consts::PI) - 1.0).abs() < 1e-5);
+            let n = 64;
+            let (mut n_in_sun, mut mean, mut n_inner) = (0, 0.0, 0);
+            for i in 0..n * n {
+                let u = [i % n, i / n].map(|k| (k as f32 + 0.5) / n as f32);
+                let (direction, pdf_w) = light.sample(u).unwrap();
+                assert!((light.pdf_w(direction) / pdf_w - 1.0).abs() < 1e-3);
+                mean += light.radiance(direction).g / pdf_w / (n * n) as f32;
+                if light.is_in_sun(direction) {
+                    n_in_sun += 1;
+                    let chord = (direction - light.sun.unwrap().frame.z).length();
+                    n_inner +=
+                        i32::from(chord < std::f32::consts::SQRT_2 * (0.5 * angular_radius).sin());
+                }
+            }
+            assert!((mean / light.fluence.g - 1.0).abs() < 1e-3, "{mean}");
+            let share = n_in_sun as f32 / (n * n) as f32;
+            let of_map = 0.25 * solid_angle / (4.0 * std::f32::consts::PI);
+            assert!((share - 0.75 - of_map).abs() < 0.02, "{share}");
+            let inner = n_inner as f32 / n_in_sun as f32;
+            assert!(
+                (inner - 0.5).abs() < 0.02,
+                "half of the disk by area: {inner}"
+            );
+        }
     }
 
     #[test]

@@ -19,9 +19,11 @@ use super::notes::Notes;
 use super::picture;
 use super::skin::Skin;
 use super::source::Source;
-use super::{File, camera, container, environment, extension, instancing, light, material, morph};
+use super::{
+    File, camera, container, environment, extension, ignored, instancing, light, material, morph,
+};
 use crate::scene::description::{
-    InstanceDescription, LoadReport, MeshDescription, SceneDescription,
+    DefaultSky, InstanceDescription, LoadReport, MeshDescription, SceneDescription,
 };
 use crate::scene::{OpeningProgress, OpeningStep};
 
@@ -42,6 +44,7 @@ pub(super) fn scene(
     };
     let document = &file.document;
     let mut notes = Notes::default();
+    ignored::note(document, &extensions, &mut notes);
 
     let root = document.root();
     let scene_index = match document.reference(&root, "scene", "scenes")? {
@@ -105,6 +108,7 @@ pub(super) fn scene(
         lights,
         cameras,
         environment,
+        default_sky: DefaultSky::default(),
         report: LoadReport {
             extensions_used: extensions.used,
             extensions_ignored: extensions.ignored,
@@ -278,14 +282,6 @@ fn note_what_is_left_out(
         notes.warn(format!(
             "{n_animations} animations are ignored; the scene is shown in the pose of its nodes"
         ));
-    }
-    if file
-        .document
-        .root()
-        .extension("EXT_lights_image_based")
-        .is_ok_and(|e| e.is_some())
-    {
-        notes.warn("EXT_lights_image_based is ignored; give an environment map with --env instead");
     }
     let (n_points, n_lines) = (notes.n_points_skipped, notes.n_lines_skipped);
     if n_points + n_lines > 0 {

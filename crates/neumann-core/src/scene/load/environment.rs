@@ -110,6 +110,7 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<Decoded, Fault> {
             texels: Radiances::new(texels, memory),
             intensity: 1.0,
             rotation: 0.0,
+            sun: None,
         },
         warnings,
     })

@@ -37,6 +37,11 @@ pub(super) struct Extensions {
     pub(super) ignored: Vec<String>,
 }
 
+/// True if an extension is read and means what it says.
+pub(super) fn is_supported(name: &str) -> bool {
+    SUPPORTED.contains(&name)
+}
+
 /// Reads `extensionsUsed` and refuses what `extensionsRequired` asks in vain.
 pub(super) fn read(document: &Document) -> Result<Extensions, Fault> {
     let root = document.root();

@@ -4,6 +4,8 @@
 //! wrong with one of its fields can be named. Absent fields (and `null`) are
 //! `None`; fields of the wrong type are faults. Nothing here panics or recurses.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Map, Value};
 
 use super::error::{EXPORT_AGAIN, Fault};
@@ -96,6 +98,38 @@ impl Document {
         Item {
             fields: &self.root,
             at: String::new(),
+        }
+    }
+
+    /// The names of all extensions that any object of the document carries.
+    pub(super) fn extensions_in_use(&self) -> BTreeSet<&str> {
+        let mut names = BTreeSet::new();
+        let mut objects = vec![&self.root];
+        let mut arrays: Vec<&Vec<Value>> = Vec::new();
+        loop {
+            let values: Box<dyn Iterator<Item = &Value>> = if let Some(object) = objects.pop() {
+                if let Some(Value::Object(extensions)) = object.get("extensions") {
+                    names.extend(extensions.keys().map(String::as_str));
+                }
+                // Whatever the user keeps in extras is no extension of ours.
+                Box::new(
+                    object
+                        .iter()
+                        .filter(|(key, _)| *key != "extras")
+                        .map(|(_, v)| v),
+                )
+            } else if let Some(array) = arrays.pop() {
+                Box::new(array.iter())
+            } else {
+                return names;
+            };
+            for value in values {
+                match value {
+                    Value::Object(object) => objects.push(object),
+                    Value::Array(array) => arrays.push(array),
+                    _ => {}
+                }
+            }
         }
     }
 

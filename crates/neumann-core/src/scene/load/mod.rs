@@ -8,6 +8,7 @@
 //! | file | what it knows |
 //! |---|---|
 //! | `container`, `json` | GLB chunks; typed access to JSON |
+//! | `extension`, `ignored` | what is honoured, and what is lost where it is not |
 //! | `source`, `uri` | files, data URIs, what may be read |
 //! | `buffer`, `accessor`, `allowance` | typed arrays, and how much of them |
 //! | `node`, `instancing` | hierarchy, transforms, visibility, copies |
@@ -28,6 +29,7 @@ mod environment;
 mod error;
 mod extension;
 mod factor;
+mod ignored;
 mod instancing;
 mod json;
 mod light;

@@ -15,7 +15,7 @@ use neumann_core::scene::description::{
 };
 use neumann_tests::renders::{Setup, is_black};
 use neumann_tests::scenes::{
-    Stage, above_square, ball, builtin, emitter, lambert, looking, rectangle,
+    Stage, above_square, ball, builtin, emitter, lambert, looking, rectangle, smooth_octahedron,
 };
 use neumann_tests::statistics::{Estimate, Family};
 
@@ -247,6 +247,19 @@ fn uniform_sky_over_a_convex_body() {
             method.id
         );
     }
+}
+
+/// The same over facets whose shading normals lean up to 55° away: a surface gives back all of its
+/// albedo whatever its normals, also where they face away from the camera.
+#[test]
+fn uniform_sky_over_a_coarse_body() {
+    let mut stage = Stage::default();
+    stage.add("body", smooth_octahedron(Vec3::ZERO, 1.0), lambert(0.7));
+    stage.description.environment = Some(EnvironmentDescription::uniform(Rgb::splat(1.5)));
+    let scene = stage.scene();
+    // So close that one face fills the picture, and is seen from low angles at its edges.
+    let camera = looking(Vec3::new(0.43, 0.38, 0.34), Vec3::ZERO);
+    test_layer(&scene, &camera, 1, 0.7 * 1.5, |_| true);
 }
 
 /// Radiance shrinks by the square of the index on its way out of glass: a lamp inside of a

@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec2, Vec3};
 use neumann_core::radiometry::Rgb;
 use neumann_core::scene::Scene;
 use neumann_core::scene::builtin::BUILTINS;
@@ -169,6 +169,32 @@ pub fn ball(radius: f32) -> MeshDescription {
         }
     }
     mesh
+}
+
+/// An octahedron with the normals of a sphere: they lean up to 55° away from its faces.
+#[must_use]
+pub fn smooth_octahedron(center: Vec3, radius: f32) -> MeshDescription {
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+    let faces = [
+        [0, 1, 2],
+        [1, 3, 2],
+        [3, 4, 2],
+        [4, 0, 2],
+        [1, 0, 5],
+        [3, 1, 5],
+        [4, 3, 5],
+        [0, 4, 5],
+    ];
+    MeshDescription {
+        positions: axes.map(|axis| center + radius * axis).into(),
+        normals: Some(axes.into()),
+        uv_sets: vec![
+            axes.map(|axis| Vec2::new(axis.x + 0.3 * axis.y, axis.z - 0.6 * axis.y))
+                .into(),
+        ],
+        triangles: faces.into(),
+        ..MeshDescription::default()
+    }
 }
 
 /// A camera that sees exactly the square `[-half, half]²` of the plane y = 0, from `height` above.

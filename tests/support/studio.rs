@@ -13,7 +13,7 @@ use neumann_core::scene::description::{
     TextureDescription, VolumeDescription, Wrap,
 };
 
-use crate::scenes::{Stage, ball, emitter, lambert, looking, rectangle};
+use crate::scenes::{Stage, ball, emitter, lambert, looking, rectangle, smooth_octahedron};
 
 /// A studio under each kind of light, and with other materials.
 #[must_use]
@@ -48,6 +48,7 @@ pub fn studios() -> Vec<(&'static str, Arc<Scene>)> {
     };
     let in_front = rectangle(Vec3::new(0.0, 0.9, 0.2), Vec3::X, Vec3::new(0.0, 0.2, -0.3));
     veil.add("veil", in_front, half_there);
+    let coarse = coarse();
     let white = Rgb::splat(4.0);
     let mut everything = lamp(emitter(3.0));
     everything.description.environment = Some(gradient());
@@ -73,6 +74,7 @@ pub fn studios() -> Vec<(&'static str, Arc<Scene>)> {
         ("even sky", even_sky),
         ("panes", panes),
         ("veil", veil),
+        ("coarse", coarse),
         ("lamp and sky", everything),
         ("every light", every_light),
         ("point", lit_by(LightKind::Point { intensity: white })),
@@ -94,11 +96,7 @@ pub fn studios() -> Vec<(&'static str, Arc<Scene>)> {
 }
 
 fn studio(materials: [MaterialDescription; 3]) -> Stage {
-    let mut stage = Stage::default();
-    let floor = rectangle(Vec3::ZERO, Vec3::Z * 1.5, Vec3::X * 1.5);
-    stage.add("floor", floor, lambert(0.6));
-    let wall = rectangle(Vec3::new(0.0, 1.0, -0.8), Vec3::X * 1.5, Vec3::Y);
-    stage.add("wall", wall, lambert(0.4));
+    let mut stage = floor_and_wall();
     for (material, x) in materials.into_iter().zip([-0.7, 0.0, 0.7]) {
         let mut mesh = ball(0.32);
         for position in &mut mesh.positions {
@@ -106,6 +104,57 @@ fn studio(materials: [MaterialDescription; 3]) -> Stage {
         }
         stage.add("ball", mesh, material);
     }
+    stage
+}
+
+/// Coarse bodies with the normals of balls under a lamp, the last one with a normal texture:
+/// shading normals far from those of the facets.
+fn coarse() -> Stage {
+    let mut stage = floor_and_wall();
+    let glass = MaterialDescription {
+        volume: None,
+        ..rough_glass()
+    };
+    for (material, x) in [glass, plastic(0.6), metal(0.6)]
+        .into_iter()
+        .zip([-0.7, 0.0, 0.7])
+    {
+        let mesh = smooth_octahedron(Vec3::new(x, 0.4, 0.0), 0.38);
+        stage.add("body", mesh, material);
+    }
+    let d = &mut stage.description;
+    let tilted = [
+        [255, 128, 160, 255],
+        [128, 0, 150, 255],
+        [20, 90, 140, 255],
+        [128, 128, 255, 255],
+    ];
+    d.images.push(ImageDescription {
+        name: "normals".to_owned(),
+        width: 2,
+        height: 2,
+        texels: tilted.into_iter().collect(),
+    });
+    if let Some(material) = d.materials.last_mut() {
+        material.normal_texture = Some(TextureDescription {
+            image: d.images.len() - 1,
+            uv_set: 0,
+            image_from_mesh_uv: Mat3::IDENTITY,
+            wrap_u: Wrap::Repeat,
+            wrap_v: Wrap::Repeat,
+            filter: Filter::Nearest,
+        });
+    }
+    stage.add("lamp", lamp_mesh(), emitter(5.0));
+    stage
+}
+
+fn floor_and_wall() -> Stage {
+    let mut stage = Stage::default();
+    let floor = rectangle(Vec3::ZERO, Vec3::Z * 1.5, Vec3::X * 1.5);
+    stage.add("floor", floor, lambert(0.6));
+    let wall = rectangle(Vec3::new(0.0, 1.0, -0.8), Vec3::X * 1.5, Vec3::Y);
+    stage.add("wall", wall, lambert(0.4));
     stage.description.cameras = vec![looking(Vec3::new(0.0, 0.8, 1.3), Vec3::Y * 0.4)];
     stage
 }

@@ -181,6 +181,7 @@ impl Cones {
                 f_cos,
                 pdf_w: self.mixed(wi, pdf_w),
                 is_delta: false,
+                delta_reverse: 0.0,
             });
         }
         let sample = vertex.sample([u[0], u[1], rest], mode)?;

@@ -218,6 +218,7 @@ impl DiffuseSamples {
             f_cos: self.f_cos.get(lane),
             pdf_w: self.pdf_w.get(lane),
             is_delta: false,
+            delta_reverse: 0.0,
         }
     }
 
@@ -274,6 +275,7 @@ vectorized! {
                 f_cos: Rgb::BLACK,
                 pdf_w: 1.0,
                 is_delta: false,
+                delta_reverse: 0.0,
             });
             samples.f_cos.set(lane, sample.f_cos);
             samples.origin.set(lane, vertex.point.position);

@@ -1,5 +1,6 @@
 //! Steps of paths: meeting a surface, asking who sees whom, one integral of reflection.
 
+mod bent;
 pub mod casters;
 mod crossings;
 pub(crate) mod diffuse;

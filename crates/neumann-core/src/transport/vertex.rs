@@ -1,18 +1,22 @@
 //! A vertex of a path on a surface.
 //!
-//! Directions are world space, unit, pointing away from the surface. The BSDF
-//! lives in the frame of the shading normal; the geometric normal decides what is
-//! reflection and what is transmission, and nothing passes where the two disagree.
-//! For importance, shading normals ask for the factor
+//! Directions are world space, unit, pointing away from the surface. The BSDF lives in the frame of
+//! the shading normal; the geometric normal decides what is reflection and what is transmission.
+//! Where the two differ, [`Bent`] says what becomes of light that one of them sends below the
+//! surface. For importance, shading normals ask for the factor
 //! `|wo·ns| |wi·ng| / (|wo·ng| |wi·ns|)` ([Veach 1997] eq. 5.19).
+
+use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use crate::bsdf::{Bsdf, BsdfSample, Scatter, TransportMode};
+use super::bent::Bent;
+use crate::bsdf::{Bsdf, Lambert, Scatter, TransportMode};
 use crate::endpoint::{Receiver, SurfacePoint};
 use crate::material::Material;
 use crate::math::{Frame, Ray};
 use crate::radiometry::Rgb;
+use crate::sampling::warp;
 use crate::scene::bodies::Media;
 
 /// A point of a surface that a ray has met, with all that a walk needs to go on.
@@ -55,6 +59,8 @@ pub struct VertexSample {
     pub pdf_w: f32,
     /// True for a mirror-like direction.
     pub is_delta: bool,
+    /// Of a delta lobe, the probability with which a walk the other way takes it.
+    pub delta_reverse: f32,
 }
 
 /// Densities of a pair of directions, each drawn given the other, 1/sr.
@@ -77,6 +83,20 @@ pub struct Scattering {
     pub pdf_w_reverse: f32,
 }
 
+/// A direction in both frames.
+#[derive(Clone, Copy)]
+struct Direction {
+    world: Vec3,
+    local: Vec3,
+}
+
+impl Direction {
+    #[inline(always)]
+    fn new(world: Vec3, local: Vec3) -> Self {
+        Self { world, local }
+    }
+}
+
 impl VertexSample {
     /// `f cos / pdf`: what the step multiplies the throughput by.
     #[inline]
@@ -93,15 +113,8 @@ impl SurfaceVertex<'_> {
     #[inline(always)]
     #[must_use]
     pub fn f_cos(&self, wi: Vec3, mode: TransportMode) -> Rgb {
-        let wi_local = self.frame.local_from_world(wi);
-        if !self.sides_agree(wi, wi_local) {
-            return Rgb::BLACK;
-        }
-        let factor = wi_local.z.abs() * self.normal_correction(wi, wi_local, mode);
-        match &self.bsdf {
-            Bsdf::Lambert(lambert) => lambert.eval(self.wo_local, wi_local, mode) * factor,
-            other => other.eval(self.wo_local, wi_local, mode) * factor,
-        }
+        self.f_cos_and_pdf_w(wi, mode)
+            .map_or(Rgb::BLACK, |(f_cos, _)| f_cos)
     }
 
     /// `f · cos_i` with the density of `wi`, delta lobes not counted; `None` where nothing is scattered.
@@ -119,40 +132,39 @@ impl SurfaceVertex<'_> {
         wi_local: Vec3,
         mode: TransportMode,
     ) -> Option<(Rgb, f32)> {
-        if !self.sides_agree(wi, wi_local) {
-            return None;
-        }
-        let factor = wi_local.z.abs() * self.normal_correction(wi, wi_local, mode);
-        let weighed = |(f, pdf_w): (Rgb, f32)| (!f.is_black()).then(|| (f * factor, pdf_w));
-        match &self.bsdf {
-            Bsdf::Lambert(lambert) => {
-                weighed(lambert.eval_and_pdf_w(self.wo_local, wi_local, mode))
+        let scattered = match &self.bsdf {
+            Bsdf::Lambert(lambert) => self.diffuse(lambert, wi, wi_local, mode)?,
+            other => {
+                let (from, to) = (self.given(), Direction::new(wi, wi_local));
+                if self.is_plain(from) && self.is_plain(to) {
+                    let (f, pdf_w) = other.eval_and_pdf_w(self.wo_local, wi_local, mode);
+                    let factor = wi_local.z.abs() * self.normal_correction(to, mode);
+                    (f * factor, pdf_w)
+                } else {
+                    self.bent().f_cos_and_pdf_w(other, self.wo, wi, mode)?
+                }
             }
-            other => weighed(other.eval_and_pdf_w(self.wo_local, wi_local, mode)),
-        }
+        };
+        (!scattered.0.is_black()).then_some(scattered)
     }
 
     /// Density with which [`Self::sample`] yields `wi`, 1/sr, delta lobes not counted.
     #[inline]
     #[must_use]
     pub fn pdf_w(&self, wi: Vec3, mode: TransportMode) -> f32 {
-        let wi_local = self.frame.local_from_world(wi);
-        if !self.sides_agree(wi, wi_local) {
-            return 0.0;
-        }
-        self.bsdf.pdf_w(self.wo_local, wi_local, mode)
+        self.pdf_w_of_pair(self.given(), self.found(wi), mode)
     }
 
     /// `f · cos_i` with the densities either way, delta lobes not counted; `None` where nothing is scattered.
     #[inline(always)]
     #[must_use]
     pub fn scattering(&self, wi: Vec3, mode: TransportMode) -> Option<Scattering> {
-        let wi_local = self.frame.local_from_world(wi);
-        let (f_cos, pdf_w_forward) = self.f_cos_and_pdf_w_of(wi, wi_local, mode)?;
+        let found = self.found(wi);
+        let (f_cos, pdf_w_forward) = self.f_cos_and_pdf_w_of(wi, found.local, mode)?;
         Some(Scattering {
             f_cos,
             pdf_w_forward,
-            pdf_w_reverse: self.pdf_w_back(wi_local, mode),
+            pdf_w_reverse: self.pdf_w_of_pair(found, self.given(), mode.reversed()),
         })
     }
 
@@ -160,31 +172,45 @@ impl SurfaceVertex<'_> {
     #[inline]
     #[must_use]
     pub fn densities(&self, wi: Vec3) -> Densities {
-        let wi_local = self.frame.local_from_world(wi);
-        let (mode, reversed) = (TransportMode::Radiance, TransportMode::Importance);
+        let (given, found) = (self.given(), self.found(wi));
         Densities {
-            forward: self.bsdf.pdf_w(self.wo_local, wi_local, mode),
-            reverse: self.bsdf.pdf_w(wi_local, self.wo_local, reversed),
+            forward: self.pdf_w_of_pair(given, found, TransportMode::Radiance),
+            reverse: self.pdf_w_of_pair(found, given, TransportMode::Importance),
         }
     }
 
-    /// Density, 1/sr, with which a walk the other way would have drawn `wo` where this one has drawn `sample`.
-    /// The probability of a delta lobe is the same from either of its directions.
+    /// Density, 1/sr, with which a walk the other way would have drawn `wo` where this one has drawn `sample`; for a
+    /// delta lobe, the probability.
     #[inline(always)]
     #[must_use]
     pub fn pdf_w_reverse(&self, sample: &VertexSample, mode: TransportMode) -> f32 {
         if sample.is_delta {
-            return sample.pdf_w;
+            return sample.delta_reverse;
         }
-        self.pdf_w_back(self.frame.local_from_world(sample.wi), mode)
+        self.pdf_w_of_pair(self.found(sample.wi), self.given(), mode.reversed())
     }
 
-    /// Density with which a walk the other way, along `wi`, draws `wo`, 1/sr.
+    /// Density of one direction given another, 1/sr, delta lobes not counted.
     #[inline(always)]
-    fn pdf_w_back(&self, wi_local: Vec3, mode: TransportMode) -> f32 {
+    fn pdf_w_of_pair(&self, given: Direction, found: Direction, mode: TransportMode) -> f32 {
         match &self.bsdf {
-            Bsdf::Lambert(lambert) => lambert.pdf_w(wi_local, self.wo_local, mode.reversed()),
-            other => other.pdf_w(wi_local, self.wo_local, mode.reversed()),
+            Bsdf::Lambert(_) => {
+                let ng = self.point.ng;
+                let (g_given, g_found) = (ng.dot(given.world), ng.dot(found.world));
+                let cos = match mode {
+                    TransportMode::Radiance => self.lit(found.local.z, g_found),
+                    TransportMode::Importance => g_found.abs(),
+                };
+                if g_given * g_found > 0.0 {
+                    warp::cosine_hemisphere_pdf_w(cos)
+                } else {
+                    0.0
+                }
+            }
+            other if self.is_plain(given) && self.is_plain(found) => {
+                other.pdf_w(given.local, found.local, mode)
+            }
+            other => self.bent().pdf_w(other, given.world, found.world, mode),
         }
     }
 
@@ -199,26 +225,140 @@ impl SurfaceVertex<'_> {
     #[inline(always)]
     #[must_use]
     pub fn sample_of(&self, bsdf: &Bsdf, u: [f32; 3], mode: TransportMode) -> Option<VertexSample> {
-        match bsdf {
-            Bsdf::Lambert(lambert) => self.in_world(lambert.sample(self.wo_local, u, mode)?, mode),
-            other => self.in_world(other.sample(self.wo_local, u, mode)?, mode),
-        }
+        let sample = match bsdf {
+            Bsdf::Lambert(lambert) => self.sample_diffuse(lambert, [u[1], u[2]], mode)?,
+            other => match self.sample_plain(other, u, mode)? {
+                Some(sample) => sample,
+                None => self.bent().sample(other, self.wo, u, mode)?,
+            },
+        };
+        (!sample.f_cos.is_black()).then_some(sample)
     }
 
-    /// What is drawn in the shading frame, seen from the world; `None` where the two normals disagree.
+    /// `wo`, in both frames.
     #[inline(always)]
-    fn in_world(&self, sample: BsdfSample, mode: TransportMode) -> Option<VertexSample> {
-        let wi = self.frame.world_from_local(sample.wi);
-        if !self.sides_agree(wi, sample.wi) {
+    fn given(&self) -> Direction {
+        Direction::new(self.wo, self.wo_local)
+    }
+
+    #[inline(always)]
+    fn found(&self, wi: Vec3) -> Direction {
+        Direction::new(wi, self.frame.local_from_world(wi))
+    }
+
+    /// True if a direction stands for no other than itself, whichever way light goes, so that [`Bent`]
+    /// is not asked: nearly every one where the two normals are close, and where they are one, all.
+    #[inline(always)]
+    fn is_plain(&self, w: Direction) -> bool {
+        let (g, z) = (self.point.ng.dot(w.world), w.local.z);
+        let c = 2.0 * self.frame.z.dot(self.point.ng);
+        g * z > 0.0 && z.abs() <= c * g.abs() && g.abs() <= c * z.abs()
+    }
+
+    #[inline]
+    fn bent(&self) -> Bent {
+        Bent::new(self.frame, self.point.ng)
+    }
+
+    /// What a diffuse surface receives of light from a direction that makes the given cosines with the
+    /// shading and the geometric normal: see [`Bent`], of which this is the whole for it.
+    #[inline(always)]
+    fn lit(&self, cos_s: f32, cos_g: f32) -> f32 {
+        let side = 1f32.copysign(cos_g);
+        let cos_s = cos_s * side;
+        let mirrored = cos_s - 2.0 * cos_g.abs() * self.frame.z.dot(self.point.ng);
+        cos_s.max(0.0) + mirrored.max(0.0)
+    }
+
+    /// Diffuse reflection: any direction on the same side sees the same of what the surface receives.
+    #[inline(always)]
+    fn diffuse(
+        &self,
+        lambert: &Lambert,
+        wi: Vec3,
+        wi_local: Vec3,
+        mode: TransportMode,
+    ) -> Option<(Rgb, f32)> {
+        let (g_o, g_i) = (self.point.ng.dot(self.wo), self.point.ng.dot(wi));
+        if g_o * g_i <= 0.0 {
             return None;
         }
-        let f_cos = sample.f * (sample.wi.z.abs() * self.normal_correction(wi, sample.wi, mode));
-        (!f_cos.is_black()).then_some(VertexSample {
+        let (factor, cos) = match mode {
+            TransportMode::Radiance => {
+                let lit = self.lit(wi_local.z, g_i);
+                (lit, lit)
+            }
+            TransportMode::Importance => {
+                let lit = self.lit(self.wo_local.z, g_o);
+                (lit * (g_i / g_o), g_i.abs())
+            }
+        };
+        let f = lambert.albedo * FRAC_1_PI;
+        Some((f * factor, warp::cosine_hemisphere_pdf_w(cos)))
+    }
+
+    /// Radiance is received about the shading normal, importance is sent out about the geometric one.
+    #[inline(always)]
+    fn sample_diffuse(
+        &self,
+        lambert: &Lambert,
+        u: [f32; 2],
+        mode: TransportMode,
+    ) -> Option<VertexSample> {
+        let ng = self.point.ng;
+        let g_o = ng.dot(self.wo);
+        let side = 1f32.copysign(g_o);
+        let local = warp::cosine_hemisphere(u);
+        let turned = Vec3::new(local.x, local.y, local.z * side);
+        let (wi, factor, cos) = match mode {
+            TransportMode::Radiance => {
+                let wi = self.frame.world_from_local(turned);
+                let g_i = ng.dot(wi);
+                let mirrored = local.z - 2.0 * g_i * side * self.frame.z.dot(ng);
+                let lit = local.z + mirrored.max(0.0);
+                // Below the surface it is mirrored up.
+                let up = if g_i * side < 0.0 { 2.0 * g_i } else { 0.0 };
+                (wi - ng * up, lit, lit)
+            }
+            TransportMode::Importance => {
+                let wi = Frame::from_z(ng).world_from_local(turned);
+                let lit = self.lit(self.wo_local.z, g_o);
+                (wi, lit * (local.z / g_o.abs()), local.z)
+            }
+        };
+        let f_cos = lambert.albedo * FRAC_1_PI * factor;
+        let pdf_w = warp::cosine_hemisphere_pdf_w(cos);
+        (pdf_w > 0.0 && g_o != 0.0).then_some(VertexSample {
             wi,
             f_cos,
+            pdf_w,
+            is_delta: false,
+            delta_reverse: 0.0,
+        })
+    }
+
+    /// Draws a direction where both are plain; an inner `None` leaves it to [`Bent`].
+    #[inline(always)]
+    fn sample_plain(
+        &self,
+        bsdf: &Bsdf,
+        u: [f32; 3],
+        mode: TransportMode,
+    ) -> Option<Option<VertexSample>> {
+        if !self.is_plain(self.given()) {
+            return Some(None);
+        }
+        let sample = bsdf.sample(self.wo_local, u, mode)?;
+        let wi = self.frame.world_from_local(sample.wi);
+        let to = Direction::new(wi, sample.wi);
+        let factor = sample.wi.z.abs() * self.normal_correction(to, mode);
+        Some(self.is_plain(to).then_some(VertexSample {
+            wi,
+            f_cos: sample.f * factor,
             pdf_w: sample.pdf_w,
             is_delta: sample.is_delta,
-        })
+            delta_reverse: sample.pdf_w,
+        }))
     }
 
     /// What the surface is to a light that shines on it. Seen from any direction that light is scattered to from there,
@@ -226,7 +366,7 @@ impl SurfaceVertex<'_> {
     #[inline]
     #[must_use]
     pub fn receiver(&self) -> Receiver {
-        let normal = self.frame.z * 1f32.copysign(self.wo_local.z);
+        let normal = self.frame.z * 1f32.copysign(self.point.ng.dot(self.wo));
         Receiver::new(self.point.position, normal, self.bsdf.is_transmissive())
     }
 
@@ -244,19 +384,12 @@ impl SurfaceVertex<'_> {
         self.point.ng.dot(w).abs()
     }
 
-    /// True if shading and geometric normal agree on the sides of `wo` and `wi`.
     #[inline]
-    fn sides_agree(&self, wi: Vec3, wi_local: Vec3) -> bool {
-        let ng = self.point.ng;
-        ng.dot(wi) * wi_local.z > 0.0 && ng.dot(self.wo) * self.wo_local.z > 0.0
-    }
-
-    #[inline]
-    fn normal_correction(&self, wi: Vec3, wi_local: Vec3, mode: TransportMode) -> f32 {
+    fn normal_correction(&self, wi: Direction, mode: TransportMode) -> f32 {
         if mode == TransportMode::Radiance {
             return 1.0;
         }
         let ng = self.point.ng;
-        (self.wo_local.z * ng.dot(wi) / (ng.dot(self.wo) * wi_local.z)).abs()
+        (self.wo_local.z * ng.dot(wi.world) / (ng.dot(self.wo) * wi.local.z)).abs()
     }
 }

@@ -197,7 +197,7 @@ impl Weighing {
     }
 
     /// Quantities after a direction has been drawn, without the geometry of the new segment, (34)-(36).
-    /// Nothing joins at a delta lobe; its probability is the same from either side.
+    /// Nothing joins at a delta lobe; its probabilities from either side count.
     #[inline(always)]
     #[must_use]
     pub fn scatter(
@@ -209,7 +209,7 @@ impl Weighing {
         is_delta: bool,
     ) -> Partial {
         if is_delta {
-            let cos = self.of(cos);
+            let cos = self.of(cos * (pdf_w_reverse / pdf_w_forward));
             return Partial {
                 d_vcm: 0.0,
                 d_vc: at.d_vc * cos,

@@ -12,6 +12,7 @@
 
 use crate::bsdf::TransportMode;
 use crate::integrator::{Integrator, Method, ParameterValues, Sight};
+use crate::math::Frame;
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass};
 use crate::sampling::warp;
@@ -70,12 +71,8 @@ impl Integrator for Naive {
                 } else {
                     (warp::uniform_hemisphere(u), warp::UNIFORM_HEMISPHERE_PDF_W)
                 };
-                let side = if vertex.frame.z.dot(vertex.wo) < 0.0 {
-                    -1.0
-                } else {
-                    1.0
-                };
-                let wi = vertex.frame.world_from_local(local) * side;
+                let side = 1f32.copysign(vertex.point.ng.dot(vertex.wo));
+                let wi = Frame::from_z(vertex.point.ng).world_from_local(local) * side;
 
                 // f · cos / p, and on to the next vertex.
                 throughput *= vertex.f_cos(wi, TransportMode::Radiance) / pdf_w;

@@ -3,9 +3,11 @@
 //! From several points, lights chosen are counted and held against their probabilities by chi-square; those that add to less
 //! than one leave the rest to choosing none. And no light that can reach a point may be ruled out there.
 
-use glam::Vec3;
+use std::sync::Arc;
+
+use glam::{Affine3A, Quat, Vec3};
 use neumann_core::endpoint::light::{
-    AreaLight, DirectionalLight, Emission, Light, PointLight, SpotLight,
+    AreaLight, DirectionalLight, Emission, Light, LightInstance, MeshLights, PointLight, SpotLight,
 };
 use neumann_core::endpoint::{LightChoice, Lights, Receiver};
 use neumann_core::radiometry::Rgb;
@@ -13,7 +15,7 @@ use neumann_core::scene::Scene;
 use neumann_tests::lights::{BOUNDS, all_lights, environment_light, light_sample};
 use neumann_tests::random::Random;
 use neumann_tests::scenes::builtin;
-use neumann_tests::statistics::{Family, chi_square};
+use neumann_tests::statistics::{Estimate, Family, chi_square};
 
 const TREE: LightChoice = LightChoice::Tree;
 const N_SAMPLES: usize = 200_000;
@@ -79,6 +81,137 @@ fn distant() -> Vec<Light> {
     ]
 }
 
+/// Emissive meshes that are placed several times, some stretched, some as their mirror image, among lights by themselves; and all
+/// their lights by themselves.
+fn instanced(n_triangles: usize, random: &mut Random) -> (Lights, Vec<Light>) {
+    let singles = jumble(10, random);
+    let mut copies = singles.clone();
+    let mut instances = Vec::new();
+    for (k, stretch) in [
+        Vec3::ONE,
+        Vec3::new(0.3, 1.5, 0.8),
+        Vec3::new(-0.7, 0.7, 0.7),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let is_mirrored = stretch.x < 0.0;
+        let lights: Vec<AreaLight> = (0..n_triangles)
+            .map(|i| {
+                let center = point(random, 0.5);
+                let corners = [0; 3].map(|_| center + point(random, 0.2));
+                let emission = Emission::Uniform(Rgb::splat(random.pair()[0]));
+                AreaLight::new(2 * i as u32, corners, emission, i % 5 == 0)
+            })
+            .collect();
+        let mesh = MeshLights::new(lights.clone(), 2 * n_triangles, is_mirrored)
+            .expect("its lights have power");
+        let mesh = Arc::new(mesh);
+        for j in 0..3 {
+            let turn = Quat::from_scaled_axis(point(random, 3.0));
+            let place =
+                Affine3A::from_scale_rotation_translation(stretch, turn, point(random, 1.0));
+            let first = 10 + 2 * ((3 * k + j) * n_triangles) as u32;
+            instances.push(LightInstance::new(Arc::clone(&mesh), place, first));
+            copies.extend(lights.iter().map(|light| {
+                let emitter = light.emitter();
+                let corners = emitter.corners().map(|p| place.transform_point3(p));
+                let emission = emitter.emission().clone();
+                let triangle = first + light.triangle();
+                Light::Area(AreaLight::new(
+                    triangle,
+                    corners,
+                    emission,
+                    emitter.is_double_sided(),
+                ))
+            }));
+        }
+    }
+    (
+        Lights::with_instances(singles, instances, 10, BOUNDS),
+        copies,
+    )
+}
+
+/// Instances give the light that copies of their meshes would, and rule out none of it.
+#[test]
+fn instances_shine_as_copies_do() {
+    let mut family = Family::default();
+    let mut random = Random::new(35);
+    let (lights, copies) = instanced(20, &mut random);
+    assert_eq!(lights.len(), copies.len());
+    let n_triangles = 10 + 9 * 2 * 20;
+    let all = Lights::new(copies.clone(), n_triangles, BOUNDS);
+    let mut n_ruled_out = 0;
+    for (i, copy) in copies.iter().enumerate().skip(10) {
+        let Light::Area(copy) = copy else {
+            panic!("light {i} is a triangle")
+        };
+        let (index, emitter) = lights.of_triangle(copy.triangle()).unwrap();
+        assert_eq!((index, emitter.corners()), (i, copy.emitter().corners()));
+        assert!(lights.of_triangle(copy.triangle() + 1).is_none());
+    }
+    for round in 0..40 {
+        let at = receiver(&mut random, [0.3, 1.0, 4.0][round % 3]);
+        for (i, light) in copies.iter().enumerate() {
+            if lights.pmf_aim(&at, TREE, i) > 0.0 {
+                continue;
+            }
+            n_ruled_out += 1;
+            let alone = Lights::new(vec![light.clone()], n_triangles, BOUNDS);
+            for _ in 0..10 {
+                let u = light_sample(&mut random);
+                let Some(aim) = alone.aim(&at, LightChoice::Power, &u) else {
+                    continue;
+                };
+                let cos = at.normal.dot(aim.wi);
+                let cos = if at.has_both_sides() { cos.abs() } else { cos };
+                assert!(cos <= 1e-6, "light {i} reaches {at:?}: cos {cos}");
+            }
+        }
+        for choice in [TREE, LightChoice::Power] {
+            let mut lit = |lights: &Lights| {
+                let values: Vec<f64> = (0..20_000)
+                    .map(|_| {
+                        let aim = lights.aim(&at, choice, &light_sample(&mut random));
+                        aim.map_or(0.0, |aim| {
+                            let cos = at.normal.dot(aim.wi);
+                            let cos = if at.has_both_sides() {
+                                cos.abs()
+                            } else {
+                                cos.max(0.0)
+                            };
+                            // So near a point, no number of samples would do.
+                            if aim.distance < 0.1 {
+                                return 0.0;
+                            }
+                            f64::from(aim.value.r * cos / aim.pdf_w)
+                        })
+                    })
+                    .collect();
+                Estimate::of(&values)
+            };
+            let (found, expected) = (lit(&lights), lit(&all));
+            let what = format!("round {round}, {choice:?}: {found:?} against {expected:?}");
+            family.add(found.p_value_against(&expected, 1e-4), what);
+        }
+    }
+    assert!(n_ruled_out > 500, "only {n_ruled_out} were ruled out");
+    let mut power = |lights: &Lights| {
+        let values: Vec<f64> = (0..100_000)
+            .map(|_| {
+                let start = lights.start(&light_sample(&mut random));
+                start.map_or(0.0, |s| f64::from(s.throughput().r))
+            })
+            .collect();
+        Estimate::of(&values)
+    };
+    let (found, expected) = (power(&lights), power(&all));
+    let what = format!("power: {found:?} against {expected:?}");
+    family.add(found.p_value_against(&expected, 1e-4), what);
+    family.judge();
+}
+
 fn sets(random: &mut Random) -> Vec<(&'static str, Lights)> {
     let lights = |lights: Vec<Light>| {
         let n_triangles = lights.len();
@@ -90,6 +223,7 @@ fn sets(random: &mut Random) -> Vec<(&'static str, Lights)> {
         all
     };
     vec![
+        ("instances", instanced(30, random).0),
         ("one", lights(jumble(1, random))),
         ("two", lights(jumble(2, random))),
         ("five", lights(jumble(5, random))),
@@ -106,7 +240,7 @@ fn sets(random: &mut Random) -> Vec<(&'static str, Lights)> {
 
 /// Counts the lights chosen from a point against what is stated.
 fn count(family: &mut Family, name: &str, lights: &Lights, at: &Receiver, random: &mut Random) {
-    let n = lights.as_slice().len();
+    let n = lights.len();
     for choice in [TREE, LightChoice::TreeBesideBsdf, LightChoice::Power] {
         let pmf: Vec<f64> = (0..n)
             .map(|i| f64::from(lights.pmf_aim(at, choice, i)))
@@ -116,8 +250,9 @@ fn count(family: &mut Family, name: &str, lights: &Lights, at: &Receiver, random
         // The last cell is for no light at all.
         let mut counts = vec![0.0; n + 1];
         for _ in 0..N_SAMPLES {
-            match lights.choose(at, choice, random.pair()[0]) {
-                Some((i, stated)) => {
+            match lights.choose(at, choice, random.pair()) {
+                Some(chosen) => {
+                    let (i, stated) = (chosen.light, chosen.pmf);
                     counts[i] += 1.0;
                     let ratio = f64::from(stated) / pmf[i];
                     assert!((ratio - 1.0).abs() < 1e-4, "{name}: {stated}, {}", pmf[i]);

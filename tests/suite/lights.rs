@@ -7,7 +7,7 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::{Mat3, Vec3};
-use neumann_core::endpoint::light::Light;
+use neumann_core::endpoint::light::{Emitter, Light};
 use neumann_core::endpoint::{LightChoice, Lights};
 use neumann_tests::cells::SphereCells;
 use neumann_tests::lights::{
@@ -53,6 +53,7 @@ fn positions_on_area_lights() {
     let below = Vec3::new(0.2, -1.5, 0.4);
     for (name, light) in all_lights() {
         let Light::Area(area) = &light else { continue };
+        let area = area.emitter();
         let lights = only(light.clone());
         // The density is constant over cells of the light's own, so cells of ours are averaged.
         let mut expected = vec![0.0; 2 * n * n];
@@ -154,7 +155,7 @@ fn started_directions() {
         let pdf = |w: Vec3| -> f64 {
             let world = to_local.transpose() * w;
             f64::from(match &light {
-                Light::Area(area) => area.pdf_w_start(world),
+                Light::Area(area) => area.emitter().pdf_w_start(world),
                 Light::Point(_) => 0.25 / PI,
                 Light::Spot(s) if w.z > 1.0 - s.outer_height => 1.0 / (TAU * s.outer_height),
                 _ => 0.0,
@@ -239,12 +240,13 @@ fn started_rays_carry_the_power() {
     let mut mixed = Vec::new();
     for (name, light) in all_lights() {
         let exact = match &light {
-            Light::Area(l) if name == "area" => 4.0 * PI * l.area(),
-            Light::Area(l) if name == "area, both sides" => 8.0 * PI * l.area(),
+            Light::Area(l) if name == "area" => 4.0 * PI * l.emitter().area(),
+            Light::Area(l) if name == "area, both sides" => 8.0 * PI * l.emitter().area(),
             Light::Point(_) => 3.0 * 4.0 * PI,
             // The squared linear ramp in cosine integrates to a third of its width.
             Light::Spot(_) => 3.0 * TAU * (0.1 + 0.4 / 3.0),
             Light::Directional(_) => 2.0 * across,
+            Light::Area(l) => power_sent(&l.emitter()),
             _ => light.power(BOUNDS).r,
         };
         sum += exact;
@@ -268,6 +270,22 @@ fn started_rays_carry_the_power() {
         format!("all: {power:?}, exact {sum}"),
     );
     family.judge();
+}
+
+/// `π ∫ L dA` of a light that shines from its front, by the midpoints of many small triangles.
+fn power_sent(emitter: &Emitter<'_>) -> f32 {
+    let n = 500;
+    let normal = (CORNERS[1] - CORNERS[0]).cross(CORNERS[2] - CORNERS[0]);
+    let mut sum = 0.0;
+    for i in 0..n * n {
+        for d in [1.0 / 3.0, 2.0 / 3.0] {
+            let b = [i % n, i / n].map(|k| (k as f32 + d) / n as f32);
+            if b[0] + b[1] < 1.0 {
+                sum += f64::from(emitter.sent(b, normal.normalize()).r);
+            }
+        }
+    }
+    PI * emitter.area() * (sum / f64::from(n * n)) as f32
 }
 
 fn power_of(lights: &Lights, random: &mut Random) -> Estimate {

@@ -6,6 +6,7 @@ mod agreement;
 mod cameras;
 mod casters;
 mod determinism;
+mod emission;
 mod energy;
 mod light_choice;
 mod lights;

@@ -156,7 +156,8 @@ impl Path {
             camera[t] =
                 camera[t - 1] * v(i + 1).camera_pdf * v(i).camera_cos / square(self.distances[i]);
         }
-        camera[m + 2] = camera[m + 1] * v(1).camera_pdf;
+        // Whoever runs into the light meets as much of it as there is.
+        camera[m + 2] = camera[m + 1] * v(1).camera_pdf * f64::from(self.aim.opacity);
         if !self.is_light_far() {
             camera[m + 2] *= f64::from(self.aim.cos_at_endpoint) / square(self.distances[0]);
         }
@@ -194,6 +195,7 @@ impl Path {
             light: 0,
             spread: self.aim.spread,
             on_triangle: None,
+            opacity: self.aim.opacity,
             is_delta_position: self.aim.is_delta,
             is_delta_direction: false,
         };
@@ -236,7 +238,9 @@ impl Path {
                 0 => {
                     let cos = self.aim.cos_at_endpoint;
                     let at = weighing.arrive(leaving_for_light, d2(0), cos);
-                    weighing.hit(at, self.pdf_aim() as f32, self.aim.start)
+                    let mut start = self.aim.start;
+                    start.pdf_a /= self.aim.opacity;
+                    weighing.hit(at, self.pdf_aim() as f32 / self.aim.opacity, start)
                 }
                 s if s == m + 2 => {
                     if self.camera.is_delta {

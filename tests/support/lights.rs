@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use glam::{Mat3, Vec2, Vec3};
 use neumann_core::endpoint::light::{
-    AreaLight, Bounds, DirectionalLight, Emission, EnvironmentLight, Light, LightSample,
-    PointLight, SpotLight, TexturedEmission,
+    AreaLight, Bounds, DirectionalLight, Emission, EmissiveCorners, EmissiveMaterial,
+    EnvironmentLight, Light, LightSample, MAX_EXTENT, PointLight, SpotLight, TexelMap,
+    VaryingEmission,
 };
 use neumann_core::endpoint::{Lights, Receiver};
 use neumann_core::material::{ColorSpace, Texture};
@@ -65,11 +66,20 @@ pub fn textured() -> Emission {
     };
     let texture =
         Texture::new(&description, &[image], ColorSpace::Linear).expect("the image has texels");
-    let uvs = [Vec2::ZERO, Vec2::X, Vec2::Y];
-    Emission::Textured(Arc::new(
-        TexturedEmission::new(Rgb::new(3.0, 2.0, 1.0), &texture, uvs)
-            .expect("the texture is not black"),
-    ))
+    let corners = EmissiveCorners {
+        uvs: [Vec2::ZERO, Vec2::X, Vec2::Y],
+        alpha_uvs: [Vec2::ZERO; 3],
+        alphas: [1.0; 3],
+    };
+    let material = EmissiveMaterial {
+        radiance: Rgb::new(3.0, 2.0, 1.0),
+        map: TexelMap::new(&texture, |t| t.truncate().element_sum() / 3.0).map(Arc::new),
+        texture: Some(texture),
+        coverage: None,
+    };
+    let (emission, numbers) = VaryingEmission::new(material, &[corners], MAX_EXTENT);
+    let number = numbers[0].expect("the texture is not black");
+    Emission::Varying(Arc::new(emission), number)
 }
 
 /// An emissive triangle.

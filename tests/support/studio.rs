@@ -34,6 +34,19 @@ pub fn studios() -> Vec<(&'static str, Arc<Scene>)> {
     };
     let mut textured = lamp(emitter(9.0));
     add_texture(&mut textured);
+    let half_lit = MaterialDescription {
+        alpha: 0.3,
+        alpha_mode: AlphaMode::Blend,
+        ..emitter(9.0)
+    };
+    let mut holes = lamp(MaterialDescription {
+        alpha_mode: AlphaMode::Blend,
+        ..emitter(9.0)
+    });
+    add_texture(&mut holes);
+    if let Some(material) = holes.description.materials.last_mut() {
+        material.base_color_texture = material.emission_texture.take();
+    }
     let mut sky = studio([rough_glass(), plastic(0.4), metal(0.5)]);
     sky.description.environment = Some(gradient());
     let mut even_sky = studio([rough_glass(), plastic(0.4), metal(0.5)]);
@@ -70,6 +83,8 @@ pub fn studios() -> Vec<(&'static str, Arc<Scene>)> {
         ("lamp", lamp(emitter(5.0))),
         ("lamp of two sides", lamp(both_sides)),
         ("textured lamp", textured),
+        ("lamp that is there in part", lamp(half_lit)),
+        ("lamp with holes", holes),
         ("sky", sky),
         ("even sky", even_sky),
         ("panes", panes),
@@ -232,7 +247,7 @@ fn gradient() -> EnvironmentDescription {
 /// Gives the last mesh a texture over its emission.
 fn add_texture(stage: &mut Stage) {
     let d = &mut stage.description;
-    let texels = (0..16u8).map(|i| [60 + 12 * i, 255 - 15 * i, 40 * (i % 4), 255]);
+    let texels = (0..16u8).map(|i| [60 + 12 * i, 255 - 15 * i, 40 * (i % 4), 255 - 17 * i]);
     d.images.push(ImageDescription {
         name: "pattern".to_owned(),
         width: 4,

@@ -88,6 +88,12 @@ impl Texels {
         &self.kept.stored
     }
 
+    /// True for copies of the same texels.
+    #[must_use]
+    pub fn are_those_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.kept, &other.kept)
+    }
+
     /// True if there are enough for so many columns and rows, and any at all.
     #[must_use]
     pub fn fill(&self, width: usize, height: usize) -> bool {

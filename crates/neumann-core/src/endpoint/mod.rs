@@ -124,6 +124,8 @@ pub struct Start {
     pub light: usize,
     /// Triangle and barycentric coordinates of the position, if it is on a surface.
     pub on_triangle: Option<(u32, [f32; 2])>,
+    /// How much of the surface is there: the probability that a ray that comes to the position meets it. It is in `value`.
+    pub opacity: f32,
     /// True where all rays start at one position.
     pub is_delta_position: bool,
     /// True where all rays have one direction.
@@ -188,4 +190,6 @@ pub struct Aim {
     pub spread: Spread,
     /// Probability of choosing this endpoint to start a ray, over that of choosing it to aim at from x.
     pub start_over_aim: f32,
+    /// How much of the surface that is aimed at is there: the probability that a ray that comes to the point meets it. It is in `value`.
+    pub opacity: f32,
 }

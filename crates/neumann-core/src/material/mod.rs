@@ -3,5 +3,5 @@
 mod surface;
 mod texture;
 
-pub use surface::{Material, SurfaceInputs};
+pub use surface::{Coverage, Material, SurfaceInputs};
 pub use texture::{ColorSpace, Texture, TextureImage};

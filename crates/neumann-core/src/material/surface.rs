@@ -23,6 +23,44 @@ pub struct Material {
     uniform: Option<Bsdf>,
     /// Absorption coefficient of the inside, 1/m.
     absorption: Option<Rgb>,
+    /// Radiance that is emitted, the texture aside.
+    radiance: Rgb,
+    coverage: Option<Coverage>,
+}
+
+/// How much of a surface is there.
+#[derive(Clone, Debug)]
+pub struct Coverage {
+    mode: AlphaMode,
+    alpha: f32,
+    /// The texture whose alpha channel counts.
+    pub texture: Option<Texture>,
+}
+
+impl Coverage {
+    /// True for a surface that is there or not, and nowhere there in part.
+    #[must_use]
+    pub fn is_mask(&self) -> bool {
+        matches!(self.mode, AlphaMode::Mask { .. })
+    }
+
+    /// True if the same alpha of a texture means the same.
+    #[must_use]
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.mode == other.mode && self.alpha == other.alpha
+    }
+
+    /// Probability that a ray meets the surface where its texture and its vertices have so much alpha, in [0, 1].
+    #[inline]
+    #[must_use]
+    pub fn opacity(&self, texture: f32, vertices: f32) -> f32 {
+        let alpha = self.alpha * texture * vertices;
+        match self.mode {
+            AlphaMode::Opaque => 1.0,
+            AlphaMode::Mask { cutoff } => f32::from(u8::from(alpha >= cutoff)),
+            AlphaMode::Blend => alpha.clamp(0.0, 1.0),
+        }
+    }
 }
 
 /// What a mesh says at a point of its surface.
@@ -51,8 +89,14 @@ impl Material {
                 .and_then(|description| Texture::new(description, images, space))
         };
         let p = parameters;
+        let base_color = texture(&p.base_color_texture, ColorSpace::Srgb);
         let mut material = Self {
-            base_color: texture(&p.base_color_texture, ColorSpace::Srgb),
+            coverage: (p.alpha_mode != AlphaMode::Opaque).then(|| Coverage {
+                mode: p.alpha_mode,
+                alpha: p.alpha,
+                texture: base_color.clone(),
+            }),
+            base_color,
             metallic_roughness: texture(&p.metallic_roughness_texture, ColorSpace::Linear),
             normal: texture(&p.normal_texture, ColorSpace::Linear),
             emission: texture(&p.emission_texture, ColorSpace::Srgb),
@@ -61,6 +105,7 @@ impl Material {
             transmission: texture(&p.transmission_texture, ColorSpace::Linear),
             uniform: None,
             absorption: p.volume.map(absorption),
+            radiance: if p.is_unlit { Rgb::BLACK } else { p.emission },
             parameters: p.clone(),
         };
         let varies = material.base_color.is_some()
@@ -72,6 +117,15 @@ impl Material {
             material.uniform = Some(material.evaluate(&SurfaceInputs::NONE));
         }
         material
+    }
+
+    /// The same with its emission multiplied by `factor`.
+    #[must_use]
+    pub fn with_level(self, factor: f32) -> Self {
+        Self {
+            radiance: self.radiance * factor,
+            ..self
+        }
     }
 
     /// The parameters it was made from.
@@ -91,7 +145,7 @@ impl Material {
     #[inline]
     #[must_use]
     pub fn has_alpha(&self) -> bool {
-        self.parameters.alpha_mode != AlphaMode::Opaque
+        self.coverage.is_some()
     }
 
     /// Absorption coefficient of the inside, 1/m; `None` without a volume.
@@ -116,23 +170,45 @@ impl Material {
         self.normal.as_ref()
     }
 
-    /// The emission texture and factor.
+    /// True where light may come from the surface itself.
+    #[inline]
+    #[must_use]
+    pub fn is_emissive(&self) -> bool {
+        !self.radiance.is_black()
+    }
+
+    /// The radiance that it emits, and the texture that multiplies it.
+    #[inline]
     #[must_use]
     pub fn emission(&self) -> (Rgb, Option<&Texture>) {
-        (self.parameters.emission, self.emission.as_ref())
+        (self.radiance, self.emission.as_ref())
+    }
+
+    /// Radiance that it emits there, to whoever meets it.
+    #[must_use]
+    pub fn emitted(&self, inputs: &SurfaceInputs<'_>) -> Rgb {
+        match &self.emission {
+            None => self.radiance,
+            Some(texture) => rgb(read(texture, inputs)) * self.radiance,
+        }
+    }
+
+    /// How much of it is there; `None` where all is.
+    #[must_use]
+    pub fn coverage(&self) -> Option<&Coverage> {
+        self.coverage.as_ref()
     }
 
     /// Probability that a ray meets the surface there, in [0, 1].
     #[must_use]
     pub fn opacity(&self, inputs: &SurfaceInputs<'_>) -> f32 {
-        let alpha = || {
-            let texture = self.base_color.as_ref().map_or(1.0, |t| read(t, inputs).w);
-            self.parameters.alpha * texture * inputs.color.w
-        };
-        match self.parameters.alpha_mode {
-            AlphaMode::Opaque => 1.0,
-            AlphaMode::Mask { cutoff } => f32::from(u8::from(alpha() >= cutoff)),
-            AlphaMode::Blend => alpha().clamp(0.0, 1.0),
+        match &self.coverage {
+            None => 1.0,
+            Some(coverage) => {
+                let texture = coverage.texture.as_ref();
+                let alpha = texture.map_or(1.0, |t| read(t, inputs).w);
+                coverage.opacity(alpha, inputs.color.w)
+            }
         }
     }
 

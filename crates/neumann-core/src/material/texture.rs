@@ -94,12 +94,11 @@ impl Texture {
     /// Linear RGBA at the mesh's texture coordinates; (0, 0) is the image's top left corner.
     #[must_use]
     pub fn at(&self, uv: Vec2) -> Vec4 {
-        let p = (self.image_from_mesh_uv * uv.extend(1.0)).truncate();
+        let p = self.place(uv);
         if !p.is_finite() {
             return Vec4::ONE;
         }
-        let size = Vec2::new(self.width as f32, self.height as f32);
-        let place = (p * size).clamp(Vec2::splat(-FARTHEST), Vec2::splat(FARTHEST));
+        let place = p.clamp(Vec2::splat(-FARTHEST), Vec2::splat(FARTHEST));
         let (width, values) = (self.width, self.values);
         match self.texels.stored() {
             StoredTexels::Rgba8(t) => self.filtered(place, |x, y| values.rgba8(t[y * width + x])),
@@ -137,21 +136,14 @@ impl Texture {
         }
     }
 
-    /// Texels per row, and rows.
-    #[must_use]
-    pub fn size(&self) -> (usize, usize) {
-        (self.width, self.height)
-    }
-
-    /// The texels about a place in units of them, by the filter.
+    /// The texels about a place, by the filter.
     #[inline]
     fn filtered(&self, place: Vec2, texel: impl Fn(usize, usize) -> Vec4) -> Vec4 {
+        let (x, y) = (floor(place.x), floor(place.y));
         if self.filter == Filter::Nearest {
-            return texel(self.column(floor(place.x)), self.row(floor(place.y)));
+            return texel(self.column(x), self.row(y));
         }
-        let shifted = place - 0.5;
-        let (x, y) = (floor(shifted.x), floor(shifted.y));
-        let s = shifted - Vec2::new(x as f32, y as f32);
+        let s = place - Vec2::new(x as f32, y as f32);
         let columns = [self.column(x), self.column(x + 1)];
         let [top, bottom] = [y, y + 1].map(|y| {
             let row = self.row(y);
@@ -161,16 +153,65 @@ impl Texture {
         top.lerp(bottom, s.y)
     }
 
-    /// Texels per unit of the mesh's coordinates, the larger of both axes.
+    /// Where the mesh's texture coordinates are among the cells of the texture, in columns and rows. The texture is read from
+    /// the same texels all over a cell: from one where the nearest counts, else from the four that its corners are the
+    /// middles of, cell (0, 0) having texel (0, 0) for its first.
+    #[inline]
     #[must_use]
-    pub fn texels_per_uv(&self) -> f32 {
-        let m = self.image_from_mesh_uv;
-        let scale = m
-            .x_axis
-            .truncate()
-            .length()
-            .max(m.y_axis.truncate().length());
-        scale * self.width.max(self.height) as f32
+    pub fn place(&self, uv: Vec2) -> Vec2 {
+        let p = (self.image_from_mesh_uv * uv.extend(1.0)).truncate();
+        let scaled = p * Vec2::new(self.width as f32, self.height as f32);
+        match self.filter {
+            Filter::Nearest => scaled,
+            Filter::Linear => scaled - 0.5,
+        }
+    }
+
+    /// The cell that a place is in, by column and row.
+    #[inline]
+    #[must_use]
+    pub fn cell(place: Vec2) -> [i64; 2] {
+        [floor(place.x), floor(place.y)]
+    }
+
+    /// Columns and rows of texels.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// How columns and rows go on beyond the image.
+    #[must_use]
+    pub fn wraps(&self) -> [Wrap; 2] {
+        [self.wrap_u, self.wrap_v]
+    }
+
+    /// How it is read between texels.
+    #[must_use]
+    pub fn filter(&self) -> Filter {
+        self.filter
+    }
+
+    /// True if it reads the same image as another one.
+    #[must_use]
+    pub fn has_image_of(&self, other: &Self) -> bool {
+        self.texels.are_those_of(&other.texels)
+    }
+
+    /// True if it reads the same image as another one, and goes on beyond it and is read between texels likewise.
+    #[must_use]
+    pub fn has_cells_of(&self, other: &Self) -> bool {
+        self.texels.are_those_of(&other.texels)
+            && self.wraps() == other.wraps()
+            && self.filter == other.filter
+            && std::ptr::eq(self.values.bytes, other.values.bytes)
+    }
+
+    /// Linear RGBA of a texel, counted from the top left, which may be beyond the image.
+    #[inline]
+    #[must_use]
+    pub fn texel_at(&self, column: i64, row: i64) -> Vec4 {
+        self.texel(self.column(column), self.row(row))
     }
 
     #[inline]

@@ -83,6 +83,22 @@ impl AliasTable {
         (index, self.pmf[index])
     }
 
+    /// The index that `u` in [0, 1) falls on, and what is left of `u`: a number in [0, 1) again.
+    #[inline]
+    #[must_use]
+    pub fn sample_and_rest(&self, u: f32) -> (usize, f32) {
+        let scaled = u * self.bins.len() as f32;
+        let i = (scaled as u32 as usize).min(self.bins.len() - 1);
+        let Bin { threshold, alias } = self.bins[i];
+        let within = scaled - i as f32;
+        let (index, rest) = if within < threshold {
+            (i, within / threshold)
+        } else {
+            (alias as usize, (within - threshold) / (1.0 - threshold))
+        };
+        (index, rest.min(BELOW_ONE))
+    }
+
     /// Probability of an index.
     #[inline]
     #[must_use]

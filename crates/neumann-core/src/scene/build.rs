@@ -18,6 +18,9 @@ const LARGEST_COORDINATE: f32 = 1e9;
 /// more; one tree is faster.
 const LEAST_SHARED_TRIANGLES: usize = 200_000;
 
+/// Copies of all meshes together come to so many triangles at most.
+const MOST_COPIES: usize = 8_000_000;
+
 /// Places all meshes in the world and builds the tree over them.
 pub(super) fn geometry(
     description: &SceneDescription,
@@ -49,7 +52,7 @@ pub(super) fn geometry(
     builder.finish(&shared, quality)
 }
 
-/// Which meshes are kept once for all their instances. Lights are not: each of their triangles is one of its own.
+/// Which meshes are kept once for all their instances.
 fn meshes_to_share(description: &SceneDescription) -> Vec<bool> {
     let mut n_uses = vec![0usize; description.meshes.len()];
     for instance in &description.instances {
@@ -57,20 +60,22 @@ fn meshes_to_share(description: &SceneDescription) -> Vec<bool> {
             *n += 1;
         }
     }
-    let is_light = |mesh: &MeshDescription| {
-        let material = mesh.material.and_then(|m| description.materials.get(m));
-        material.is_some_and(|m| !m.emission.is_black())
+    // Vertices that no triangle uses are copied as well.
+    let copies = |(mesh, n): (&MeshDescription, usize)| {
+        let size = mesh.triangles.len().max(mesh.positions.len() / 3);
+        n.saturating_sub(1).saturating_mul(size)
     };
-    let worth_it = |(mesh, n): (&MeshDescription, usize)| {
-        n.saturating_sub(1).saturating_mul(mesh.triangles.len()) >= LEAST_SHARED_TRIANGLES
-            && !is_light(mesh)
-    };
-    description
-        .meshes
-        .iter()
-        .zip(n_uses)
-        .map(worth_it)
-        .collect()
+    let copies: Vec<usize> = description.meshes.iter().zip(n_uses).map(copies).collect();
+    // What is copied least, as long as all copies together are few enough.
+    let mut by_copies: Vec<usize> = (0..copies.len()).collect();
+    by_copies.sort_by_key(|mesh| copies[*mesh]);
+    let mut is_shared = vec![false; copies.len()];
+    let mut n_copied = 0usize;
+    for mesh in by_copies {
+        n_copied = n_copied.saturating_add(copies[mesh]);
+        is_shared[mesh] = copies[mesh] >= LEAST_SHARED_TRIANGLES || n_copied > MOST_COPIES;
+    }
+    is_shared
 }
 
 /// Geometry on its way.

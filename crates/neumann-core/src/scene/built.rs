@@ -9,11 +9,11 @@ use super::bodies::Bodies;
 use super::casters::{Caster, casters};
 use super::description::{CameraDescription, DefaultSky, LoadReport, Projection, SceneDescription};
 use super::geometry::{Geometry, PlacedMesh};
+use super::lighting::TexelMaps;
 use super::{OpeningProgress, Sky, build, lighting};
 use crate::accel::{Bvh, TreeQuality};
 use crate::bsdf::{Bsdf, Lambert};
 use crate::endpoint::Lights;
-use crate::endpoint::light::Light;
 use crate::material::{Material, TextureImage};
 
 /// A scene ready to trace: immutable while it renders.
@@ -38,10 +38,11 @@ pub struct Scene {
     reflectors: Vec<Option<PlainReflector>>,
     casters: Vec<Caster>,
     bodies: Bodies,
+    maps: TexelMaps,
 }
 
-/// A mesh that scatters alike everywhere, diffusely, and does nothing else: it has neither vertex colours nor a volume. Triangles
-/// of it may still be lights.
+/// A mesh that scatters alike everywhere, diffusely, and does nothing else: it has neither vertex colours nor a
+/// volume, and emits nothing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlainReflector {
     pub(crate) lambert: Lambert,
@@ -143,7 +144,8 @@ impl Scene {
             warnings.push("the scene has no light; the built-in sky 'studio' is added".to_owned());
             appearance.environment = Some(Arc::new(Sky::Studio.description()));
         }
-        let dress = dress(&geometry, &bvh, &images, &appearance);
+        let no_maps = TexelMaps::default();
+        let dress = dress(&geometry, &bvh, &images, &appearance, no_maps);
         Self {
             default_sky: description.default_sky,
             has_default_sky,
@@ -163,6 +165,7 @@ impl Scene {
             reflectors: dress.reflectors,
             casters: dress.casters,
             bodies: dress.bodies,
+            maps: dress.maps,
         }
     }
 
@@ -185,7 +188,8 @@ impl Scene {
             ),
             "an appearance edits a scene's materials and lights, it does not add or drop any"
         );
-        let dress = dress(&self.geometry, &self.bvh, &self.images, &appearance);
+        let maps = self.maps.clone();
+        let dress = dress(&self.geometry, &self.bvh, &self.images, &appearance, maps);
         Self {
             appearance,
             materials: dress.materials,
@@ -194,6 +198,7 @@ impl Scene {
             reflectors: dress.reflectors,
             casters: dress.casters,
             bodies: dress.bodies,
+            maps: dress.maps,
             ..self.clone()
         }
     }
@@ -351,18 +356,12 @@ impl Scene {
     /// What it consists of.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
-        let n_area_lights = self
-            .lights
-            .as_slice()
-            .iter()
-            .filter(|l| matches!(l, Light::Area(_)))
-            .count();
         Statistics {
             n_triangles: self.geometry.n_triangles(),
             n_meshes: self.geometry.meshes().len(),
             n_materials: self.materials.len() - 1,
             n_images: self.images.len(),
-            n_area_lights,
+            n_area_lights: self.lights.n_triangles(),
             n_punctual_lights: self.appearance.lights.len(),
             n_cameras: self.cameras.len(),
         }
@@ -377,6 +376,7 @@ struct Dress {
     reflectors: Vec<Option<PlainReflector>>,
     casters: Vec<Caster>,
     bodies: Bodies,
+    maps: TexelMaps,
 }
 
 fn dress(
@@ -384,13 +384,15 @@ fn dress(
     bvh: &Bvh,
     images: &[TextureImage],
     appearance: &Appearance,
+    mut maps: TexelMaps,
 ) -> Dress {
     let materials: Vec<Material> = appearance
         .materials
         .iter()
-        .map(|m| Material::new(m, images))
+        .zip(&appearance.material_levels)
+        .map(|(m, level)| Material::new(m, images).with_level(level.factor()))
         .collect();
-    let lights = lighting::lights(geometry, &materials, appearance);
+    let lights = lighting::lights(geometry, &materials, appearance, &mut maps);
     let has_alpha = geometry
         .meshes()
         .iter()
@@ -404,8 +406,10 @@ fn dress(
     let reflector = |mesh: &PlacedMesh| {
         let material = &materials[mesh.material as usize];
         // Where walls leak, no path is plain.
-        let is_plain =
-            mesh.arrays.colors.is_none() && material.absorption().is_none() && !bodies.have_leaks();
+        let is_plain = mesh.arrays.colors.is_none()
+            && material.absorption().is_none()
+            && !material.is_emissive()
+            && !bodies.have_leaks();
         match material.uniform_bsdf() {
             Some(Bsdf::Lambert(lambert)) if is_plain => Some(PlainReflector {
                 lambert: *lambert,
@@ -422,6 +426,7 @@ fn dress(
         materials,
         lights,
         has_alpha,
+        maps,
     }
 }
 

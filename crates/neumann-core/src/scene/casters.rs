@@ -40,7 +40,7 @@ pub(super) fn casters(geometry: &Geometry, materials: &[Material], lights: &Ligh
         Light::Environment(_) => !is_even,
         Light::Point(_) | Light::Spot(_) | Light::Directional(_) => false,
     };
-    if !lights.as_slice().iter().any(can_be_missed) {
+    if lights.n_triangles() == 0 && !lights.as_slice().iter().any(can_be_missed) {
         return Vec::new();
     }
     // From within the sphere of a sea, it is not known where to aim.

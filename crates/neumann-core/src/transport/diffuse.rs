@@ -37,9 +37,6 @@ impl<'a> DiffuseHit<'a> {
         let geometry = scene.geometry();
         let facet = geometry.facet(hit.triangle);
         let reflector = scene.plain_reflector(facet.mesh)?;
-        if scene.lights().of_triangle(hit.triangle).is_some() {
-            return None;
-        }
         let normal = || {
             let mesh = &geometry.meshes()[facet.mesh as usize];
             mesh.normal(facet.vertices(), hit.barycentrics)

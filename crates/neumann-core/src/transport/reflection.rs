@@ -28,6 +28,8 @@ pub struct Aimed {
     pub pdf_w_light: f32,
     /// Density of the direction by the BSDF, 1/sr; 0 for lights that it cannot find.
     pub pdf_w_bsdf: f32,
+    /// Probability that a ray in that direction meets the light, if nothing is in the way.
+    pub opacity: f32,
 }
 
 /// Random numbers for aiming at a light.
@@ -113,7 +115,7 @@ impl Drawn {
     #[must_use]
     pub fn mis_weight(&self, tracer: &Tracer<'_>, emitter: &SurfaceVertex<'_>) -> f32 {
         let pdf_w_light = pdf_w_of_emitter(tracer, self, emitter);
-        power_heuristic(self.pdf_w, pdf_w_light)
+        power_heuristic(self.pdf_w * emitter.opacity, pdf_w_light)
     }
 
     /// MIS weight of the environment where the ray has left the scene along `direction`, against having been aimed at.
@@ -160,6 +162,7 @@ impl Aimed {
             value: f_cos * aim.value / aim.pdf_w,
             pdf_w_light: aim.pdf_w,
             pdf_w_bsdf: if aim.is_delta { 0.0 } else { pdf_w },
+            opacity: aim.opacity,
         })
     }
 
@@ -167,6 +170,6 @@ impl Aimed {
     #[inline]
     #[must_use]
     pub fn mis_weight(&self) -> f32 {
-        power_heuristic(self.pdf_w_light, self.pdf_w_bsdf)
+        power_heuristic(self.pdf_w_light, self.pdf_w_bsdf * self.opacity)
     }
 }

@@ -167,14 +167,33 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Radiance that a vertex emits towards its `wo`, not counting unlit surfaces.
+    /// Radiance that a vertex emits towards its `wo`, not counting unlit surfaces, whether or not a light was made of it.
     #[inline]
     #[must_use]
     pub fn emitted(&self, vertex: &SurfaceVertex<'_>) -> Rgb {
-        match self.scene.lights().of_triangle(vertex.triangle) {
-            Some((_, light)) => light.radiance(vertex.barycentrics, vertex.wo),
-            None => Rgb::BLACK,
+        let material = vertex.material;
+        let shines =
+            || material.parameters().is_double_sided || vertex.point.ng.dot(vertex.wo) > 0.0;
+        if !material.is_emissive() || !shines() {
+            return Rgb::BLACK;
         }
+        match material.emission() {
+            (radiance, None) => radiance,
+            (_, Some(_)) => self.emitted_by_texture(vertex),
+        }
+    }
+
+    #[inline(never)]
+    fn emitted_by_texture(&self, vertex: &SurfaceVertex<'_>) -> Rgb {
+        vertex.material.emitted(&self.attributes(vertex).inputs())
+    }
+
+    /// What the mesh says at a vertex.
+    fn attributes(&self, vertex: &SurfaceVertex<'_>) -> Attributes {
+        let geometry = self.scene.geometry();
+        let facet = geometry.facet(vertex.triangle);
+        let mesh = &geometry.meshes()[facet.mesh as usize];
+        attributes(mesh, facet.vertices(), vertex.barycentrics)
     }
 
     /// What an unlit surface shows to a camera that sees it directly; black for any other.
@@ -183,19 +202,9 @@ impl<'a> Tracer<'a> {
         if !vertex.material.is_unlit() {
             return Rgb::BLACK;
         }
-        let hit = Hit {
-            t: vertex.distance,
-            triangle: vertex.triangle,
-            barycentrics: vertex.barycentrics,
-        };
-        let geometry = self.scene.geometry();
-        let facet = geometry.facet(hit.triangle);
-        let attributes = attributes(
-            &geometry.meshes()[facet.mesh as usize],
-            facet.vertices(),
-            hit.barycentrics,
-        );
-        vertex.material.base_color(&attributes.inputs())
+        vertex
+            .material
+            .base_color(&self.attributes(vertex).inputs())
     }
 
     /// The surface at barycentric coordinates of a triangle, seen from the direction `wo`; the distance is unknown, 0.

@@ -196,6 +196,7 @@ impl Camera {
                     start: StartDensities { pdf_a, pdf_w: 1.0 },
                     spread: Spread::Parallel { pdf_a },
                     start_over_aim: 1.0,
+                    opacity: 1.0,
                 },
                 raster,
             ));
@@ -235,6 +236,7 @@ impl Camera {
             },
             spread: Spread::Point { pdf_w: pdf_w_start },
             start_over_aim: 1.0,
+            opacity: 1.0,
         };
         Some((aim, raster))
     }

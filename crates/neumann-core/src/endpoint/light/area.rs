@@ -1,22 +1,18 @@
 //! An emissive triangle.
 //!
-//! It emits from its front, or from both sides. Where a texture varies over it,
-//! it is cut into a grid of smaller triangles that are drawn by their power.
+//! It emits from its front, or from both sides.
 
 use std::f32::consts::{FRAC_PI_2, PI};
-use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
-use super::LightSample;
 use super::bounds::LightBounds;
+use super::emission::{Emission, VaryingEmission};
 use crate::endpoint::{Aim, Spread, Start, StartDensities, SurfacePoint};
-use crate::material::Texture;
 use crate::math::Frame;
 use crate::math::triangle::point_between;
 use crate::radiometry::Rgb;
 use crate::radiometry::measure::pdf_w_from_pdf_a;
-use crate::sampling::discrete::AliasTable;
 use crate::sampling::warp;
 
 /// An emissive triangle.
@@ -37,85 +33,11 @@ pub(crate) struct Panel {
     pub(super) is_double_sided: bool,
 }
 
-/// Radiance over the triangle.
-#[derive(Clone, Debug)]
-pub enum Emission {
-    /// The same everywhere.
-    Uniform(Rgb),
-    /// Multiplied by a texture.
-    Textured(Arc<TexturedEmission>),
-}
-
-/// A texture over a triangle, with the grid that it is sampled by.
-#[derive(Clone, Debug)]
-pub struct TexturedEmission {
-    factor: Rgb,
-    texture: Texture,
-    uvs: [Vec2; 3],
-    /// Rows of the grid; it has n² cells.
-    n: usize,
-    cells: AliasTable,
-    mean: Rgb,
-}
-
-/// Cells along an edge at most.
-const MAX_CELLS: usize = 32;
-
-impl TexturedEmission {
-    /// A texture over a triangle with the given texture coordinates; `None` if it is black there.
-    #[must_use]
-    pub fn new(factor: Rgb, texture: &Texture, uvs: [Vec2; 3]) -> Option<Self> {
-        let extent = (uvs[1] - uvs[0])
-            .length()
-            .max((uvs[2] - uvs[0]).length())
-            .max((uvs[2] - uvs[1]).length());
-        let n_texels = extent * texture.texels_per_uv();
-        let n = if n_texels.is_finite() {
-            (n_texels.ceil() as usize).clamp(1, MAX_CELLS)
-        } else {
-            1
-        };
-        let mut weights = vec![0f64; 2 * n * n];
-        let mut mean = Rgb::BLACK;
-        let at = |b: [f32; 2]| {
-            let uv = uvs[0] * (1.0 - b[0] - b[1]) + uvs[1] * b[0] + uvs[2] * b[1];
-            let t = texture.at(uv);
-            Rgb::new(t.x, t.y, t.z) * factor
-        };
-        for (cell, weight) in weights.iter_mut().enumerate() {
-            let Some(corners) = cell_corners(cell, n) else {
-                continue;
-            };
-            let sum = GAUSS
-                .iter()
-                .map(|b| at(inside(corners, *b)))
-                .fold(Rgb::BLACK, |s, c| s + c);
-            let cell_mean = sum / GAUSS.len() as f32;
-            mean += cell_mean / (n * n) as f32;
-            *weight = f64::from(cell_mean.mean());
-        }
-        // Texels between the points looked at must not have density zero.
-        let floor = 0.01 * weights.iter().sum::<f64>() / (n * n) as f64;
-        for (cell, weight) in weights.iter_mut().enumerate() {
-            if cell_corners(cell, n).is_some() {
-                *weight = weight.max(floor);
-            }
-        }
-        Some(Self {
-            factor,
-            texture: texture.clone(),
-            uvs,
-            n,
-            cells: AliasTable::new(&weights)?,
-            mean,
-        })
-    }
-
-    fn radiance(&self, b: [f32; 2]) -> Rgb {
-        let uv = self.uvs[0] * (1.0 - b[0] - b[1]) + self.uvs[1] * b[0] + self.uvs[2] * b[1];
-        let t = self.texture.at(uv);
-        Rgb::new(t.x, t.y, t.z) * self.factor
-    }
+/// An emissive triangle, wherever it comes from.
+#[derive(Clone, Copy, Debug)]
+pub struct Emitter<'a> {
+    pub(super) panel: Panel,
+    pub(super) emission: &'a Emission,
 }
 
 impl AreaLight {
@@ -127,15 +49,8 @@ impl AreaLight {
         emission: Emission,
         is_double_sided: bool,
     ) -> Self {
-        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         Self {
-            panel: Panel {
-                corners,
-                ng: cross.normalize_or_zero(),
-                area: 0.5 * cross.length(),
-                triangle,
-                is_double_sided,
-            },
+            panel: Panel::new(corners, triangle, is_double_sided),
             emission,
         }
     }
@@ -147,12 +62,43 @@ impl AreaLight {
         self.panel.triangle
     }
 
+    /// The triangle and what it emits.
+    #[inline]
+    #[must_use]
+    pub fn emitter(&self) -> Emitter<'_> {
+        Emitter {
+            panel: self.panel,
+            emission: &self.emission,
+        }
+    }
+}
+
+impl<'a> Emitter<'a> {
     /// Area, m².
     #[must_use]
     pub fn area(&self) -> f32 {
         self.panel.area
     }
 
+    /// Its corners, world space.
+    #[must_use]
+    pub fn corners(&self) -> [Vec3; 3] {
+        self.panel.corners
+    }
+
+    /// True if it emits from both sides.
+    #[must_use]
+    pub fn is_double_sided(&self) -> bool {
+        self.panel.is_double_sided
+    }
+
+    /// What it emits.
+    #[must_use]
+    pub fn emission(&self) -> &'a Emission {
+        self.emission
+    }
+
+    /// Power, W per channel; where emission varies, an estimate without colour.
     pub(super) fn power(&self) -> Rgb {
         let sides = if self.panel.is_double_sided { 2.0 } else { 1.0 };
         self.mean_radiance() * (PI * self.panel.area * sides)
@@ -175,22 +121,25 @@ impl AreaLight {
     }
 
     fn mean_radiance(&self) -> Rgb {
-        match &self.emission {
+        match self.emission {
             Emission::Uniform(radiance) => *radiance,
-            Emission::Textured(t) => t.mean,
+            Emission::Varying(varying, patch) => Rgb::splat(varying.mean(*patch)),
         }
     }
 
-    /// Radiance at barycentric coordinates (of the second and third corner) towards `wo`, unit, world.
+    /// What it sends from barycentric coordinates (of the second and third corner) towards `wo`, unit, world: its radiance, as much of
+    /// it as there is.
     #[inline]
     #[must_use]
-    pub fn radiance(&self, barycentrics: [f32; 2], wo: Vec3) -> Rgb {
+    pub fn sent(&self, barycentrics: [f32; 2], wo: Vec3) -> Rgb {
         if !self.panel.shines(wo) {
             return Rgb::BLACK;
         }
-        match &self.emission {
+        match self.emission {
             Emission::Uniform(radiance) => *radiance,
-            Emission::Textured(t) => t.radiance(barycentrics),
+            Emission::Varying(varying, patch) => {
+                varying.radiance(*patch, barycentrics) * varying.opacity(*patch, barycentrics)
+            }
         }
     }
 
@@ -198,15 +147,15 @@ impl AreaLight {
     #[inline]
     #[must_use]
     pub fn pdf_a(&self, barycentrics: [f32; 2]) -> f32 {
-        match &self.emission {
+        match self.emission {
             Emission::Uniform(_) => 1.0 / self.panel.area,
-            Emission::Textured(t) => {
-                t.cells.pmf(cell_of(barycentrics, t.n)) * (t.n * t.n) as f32 / self.panel.area
+            Emission::Varying(varying, patch) => {
+                varying.density(*patch, barycentrics) / self.panel.area
             }
         }
     }
 
-    /// Density with which `start` sends a ray along `direction`, 1/sr.
+    /// Density with which a ray is started along `direction`, 1/sr.
     #[inline]
     #[must_use]
     pub fn pdf_w_start(&self, direction: Vec3) -> f32 {
@@ -215,52 +164,69 @@ impl AreaLight {
 
     /// The triangle and its radiance, where that is the same all over.
     #[inline]
-    pub(crate) fn as_uniform(&self) -> Option<(Panel, Rgb)> {
-        match &self.emission {
+    pub(super) fn as_uniform(&self) -> Option<(Panel, Rgb)> {
+        match self.emission {
             Emission::Uniform(radiance) => Some((self.panel, *radiance)),
-            Emission::Textured(_) => None,
+            Emission::Varying(..) => None,
         }
     }
 
+    /// Aims from x at a point that is chosen by `part` and `u`, numbers in [0, 1).
     #[inline(always)]
-    pub(super) fn aim(&self, x: Vec3, u: &LightSample) -> Option<Aim> {
-        match &self.emission {
-            Emission::Uniform(radiance) => self.panel.aim(x, u.point, *radiance),
-            Emission::Textured(t) => {
-                let (barycentrics, pdf_a) = self.sample_position(u);
-                self.panel
-                    .aim_at(x, barycentrics, pdf_a, || t.radiance(barycentrics))
-            }
+    pub(super) fn aim(&self, x: Vec3, part: f32, u: [f32; 2]) -> Option<Aim> {
+        match self.emission {
+            Emission::Uniform(radiance) => self.panel.aim(x, u, *radiance),
+            Emission::Varying(varying, patch) => self.aim_varying(x, (varying, *patch), part, u),
         }
     }
 
-    pub(super) fn start(&self, u: &LightSample) -> Option<Start> {
-        let (barycentrics, pdf_a) = self.sample_position(u);
-        let radiance = |direction| self.radiance(barycentrics, direction);
-        let start = self
-            .panel
-            .start_at(barycentrics, pdf_a, u.direction, radiance)?;
+    #[inline(never)]
+    fn aim_varying(
+        &self,
+        x: Vec3,
+        (varying, patch): (&VaryingEmission, u32),
+        part: f32,
+        u: [f32; 2],
+    ) -> Option<Aim> {
+        let b = varying.sample(patch, part, u)?;
+        let opacity = varying.opacity(patch, b);
+        let sent = || varying.radiance(patch, b) * opacity;
+        let aim = self.panel.aim_at(x, b, self.pdf_a(b), sent)?;
+        Some(Aim { opacity, ..aim })
+    }
+
+    /// Starts a ray from a point that is chosen by `part` and `u`, in a direction that is by
+    /// `u_direction`.
+    pub(super) fn start(&self, part: f32, u: [f32; 2], u_direction: [f32; 2]) -> Option<Start> {
+        let (b, opacity) = match self.emission {
+            Emission::Uniform(_) => (warp::triangle(u), 1.0),
+            Emission::Varying(varying, patch) => {
+                let b = varying.sample(*patch, part, u)?;
+                (b, varying.opacity(*patch, b))
+            }
+        };
+        let sent = |direction| self.sent(b, direction);
+        let start = self.panel.start_at(b, self.pdf_a(b), u_direction, sent)?;
         Some(Start {
-            on_triangle: Some((self.panel.triangle, barycentrics)),
+            on_triangle: Some((self.panel.triangle, b)),
+            opacity,
             ..start
         })
-    }
-
-    #[inline]
-    fn sample_position(&self, u: &LightSample) -> ([f32; 2], f32) {
-        match &self.emission {
-            Emission::Uniform(_) => (warp::triangle(u.point), 1.0 / self.panel.area),
-            Emission::Textured(t) => {
-                let (cell, pmf) = t.cells.sample(u.choice[1]);
-                let corners = cell_corners(cell, t.n).unwrap_or([[0.0; 2]; 3]);
-                let barycentrics = inside(corners, warp::triangle(u.point));
-                (barycentrics, pmf * (t.n * t.n) as f32 / self.panel.area)
-            }
-        }
     }
 }
 
 impl Panel {
+    pub(super) fn new(corners: [Vec3; 3], triangle: u32, is_double_sided: bool) -> Self {
+        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        Self {
+            corners,
+            ng: cross.normalize_or_zero(),
+            area: 0.5 * cross.length(),
+            triangle,
+            is_double_sided,
+        }
+    }
+
     #[inline(always)]
     fn at(&self, b: [f32; 2]) -> Vec3 {
         point_between(&self.corners, b)
@@ -333,6 +299,7 @@ impl Panel {
             spread: Spread::Point { pdf_w },
             light: 0,
             on_triangle: None,
+            opacity: 1.0,
             is_delta_position: false,
             is_delta_direction: false,
         })
@@ -386,79 +353,7 @@ impl Panel {
             },
             spread: Spread::Point { pdf_w: pdf_w_start },
             start_over_aim: 1.0,
+            opacity: 1.0,
         })
-    }
-}
-
-/// Where the emission of a cell is looked at: a symmetric rule of six points.
-const GAUSS: [[f32; 2]; 6] = [
-    [0.445_948_5, 0.445_948_5],
-    [0.108_103, 0.445_948_5],
-    [0.445_948_5, 0.108_103],
-    [0.091_576_2, 0.091_576_2],
-    [0.816_847_6, 0.091_576_2],
-    [0.091_576_2, 0.816_847_6],
-];
-
-/// Barycentric corners of a cell: number `2 (row n + column)`, plus 1 for one that points down;
-/// `None` for numbers that lie outside of the triangle.
-fn cell_corners(cell: usize, n: usize) -> Option<[[f32; 2]; 3]> {
-    let (is_down, column, row) = (cell % 2 == 1, cell / 2 % n, cell / 2 / n);
-    let limit = if is_down { n - 1 } else { n };
-    if column + row >= limit {
-        return None;
-    }
-    let at = |c: usize, r: usize| [c as f32 / n as f32, r as f32 / n as f32];
-    Some(if is_down {
-        [
-            at(column + 1, row + 1),
-            at(column, row + 1),
-            at(column + 1, row),
-        ]
-    } else {
-        [at(column, row), at(column + 1, row), at(column, row + 1)]
-    })
-}
-
-fn cell_of(b: [f32; 2], n: usize) -> usize {
-    let scaled = b.map(|x| (x * n as f32).clamp(0.0, n as f32 - 1e-3));
-    let mut column = (scaled[0] as usize).min(n - 1);
-    let mut row = (scaled[1] as usize).min(n - 1);
-    let rest = scaled[0] - column as f32 + scaled[1] - row as f32;
-    // Rounding can push a point of the long edge over it.
-    while column + row > n - 1 {
-        if column > 0 {
-            column -= 1;
-        } else {
-            row -= 1;
-        }
-    }
-    let is_down = rest > 1.0 && column + row + 1 < n;
-    2 * (row * n + column) + usize::from(is_down)
-}
-
-fn inside(corners: [[f32; 2]; 3], b: [f32; 2]) -> [f32; 2] {
-    let w = 1.0 - b[0] - b[1];
-    [0, 1].map(|i| corners[0][i] * w + corners[1][i] * b[0] + corners[2][i] * b[1])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{cell_corners, cell_of, inside};
-
-    #[test]
-    fn cells_tile_the_triangle() {
-        for n in [1, 2, 5] {
-            let cells: Vec<usize> = (0..2 * n * n)
-                .filter(|c| cell_corners(*c, n).is_some())
-                .collect();
-            assert_eq!(cells.len(), n * n);
-            for cell in cells {
-                let corners = cell_corners(cell, n).unwrap();
-                for b in super::GAUSS {
-                    assert_eq!(cell_of(inside(corners, b), n), cell);
-                }
-            }
-        }
     }
 }

@@ -47,7 +47,7 @@ impl LightBounds {
             vector: Vec3::ZERO,
         };
         let bounds = match light {
-            Light::Area(l) => l.bounds(),
+            Light::Area(l) => l.emitter().bounds(),
             Light::Point(l) => Self {
                 intensity: 4.0 * l.intensity.mean(),
                 ..point(l.position)

@@ -31,8 +31,12 @@ struct BinaryNode {
     kind: Binary,
 }
 
-/// A tree over those of the lights that have bounds: `bounds[light]`. Intensities are multiplied by `scale`.
-pub(super) fn build(bounds: &[Option<LightBounds>], scale: f64) -> LightTree {
+/// A tree over those of the lights that have bounds: `bounds[light]`, and the bounds of all, if there are any. Intensities are multiplied
+/// by `scale`.
+pub(super) fn build(
+    bounds: &[Option<LightBounds>],
+    scale: f64,
+) -> (LightTree, Option<LightBounds>) {
     let mut items: Vec<Item> = (0..)
         .zip(bounds)
         .filter_map(|(light, bounds)| {
@@ -45,12 +49,12 @@ pub(super) fn build(bounds: &[Option<LightBounds>], scale: f64) -> LightTree {
         .collect();
     let mut tree = LightTree::empty(bounds.len());
     if items.is_empty() {
-        return tree;
+        return (tree, None);
     }
     let mut binary = Vec::with_capacity(2 * items.len());
     let root = split(&mut items, &mut binary);
     fold(&binary, root, None, scale, &mut tree);
-    tree
+    (tree, Some(binary[root].bounds))
 }
 
 /// Splits lights until each is alone; yields the number of the node that holds them all.

@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use super::bounds::LightBounds;
 use super::build::build;
+use super::instances::LightInstance;
 use super::tree::{Importances, LightTree};
 use super::{Bounds, Light};
 use crate::sampling::discrete::AliasTable;
@@ -55,7 +56,18 @@ impl Receiver {
     }
 }
 
-/// The probabilities of lights.
+/// A light that has been chosen.
+#[derive(Clone, Copy, Debug)]
+pub struct Chosen {
+    /// Which one.
+    pub light: usize,
+    /// Its probability.
+    pub pmf: f32,
+    /// A number in [0, 1) to choose a part of it by.
+    pub part: f32,
+}
+
+/// The probabilities of lights, or of instances that have lights, which are numbered after them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chooser {
     power: AliasTable,
@@ -74,13 +86,18 @@ const DISTANT_SHARE: f32 = 0.5;
 
 impl Chooser {
     /// `None` if the lights have no power, or more than numbers can hold.
-    pub(super) fn new(lights: &[Light], scene: Bounds) -> Option<Self> {
-        let power: Vec<f64> = lights
-            .iter()
-            .map(|light| f64::from(light.power(scene).mean()))
-            .collect();
+    pub(super) fn new(
+        lights: &[Light],
+        instances: &[LightInstance],
+        scene: Bounds,
+    ) -> Option<Self> {
+        let of_lights = lights.iter().map(|l| f64::from(l.power(scene).mean()));
+        let of_instances = instances.iter().map(LightInstance::power);
+        let power: Vec<f64> = of_lights.chain(of_instances).collect();
         let choice = AliasTable::new(&power)?;
-        let bounds: Vec<Option<LightBounds>> = lights.iter().map(LightBounds::of).collect();
+        let of_lights = lights.iter().map(LightBounds::of);
+        let of_instances = instances.iter().map(LightInstance::bounds);
+        let bounds: Vec<Option<LightBounds>> = of_lights.chain(of_instances).collect();
         let intensity: f64 = bounds
             .iter()
             .flatten()
@@ -91,7 +108,7 @@ impl Chooser {
         } else {
             1.0
         };
-        let tree = build(&bounds, scale);
+        let (tree, _) = build(&bounds, scale);
         let distant = |is_beside_bsdf: bool| {
             let of_distant = |(light, power): (&Light, &f64)| match light {
                 Light::Directional(_) => *power,
@@ -99,13 +116,14 @@ impl Chooser {
                 Light::Environment(_) => *power,
                 _ => 0.0,
             };
-            let weights: Vec<f64> = lights.iter().zip(&power).map(of_distant).collect();
+            let mut weights: Vec<f64> = lights.iter().zip(&power).map(of_distant).collect();
+            weights.resize(power.len(), 0.0);
             AliasTable::new(&weights)
         };
         let (distant, distant_beside_bsdf) = (distant(false), distant(true));
         Some(Self {
             power: choice,
-            is_one_place: distant.is_none() && tree.is_one_place(),
+            is_one_place: distant.is_none() && instances.is_empty() && tree.is_one_place(),
             tree,
             distant,
             distant_beside_bsdf,
@@ -157,7 +175,7 @@ impl Chooser {
         }
         let root = self.tree.root(at);
         let Some(distant) = distant else {
-            return self.tree.sample(at, root, u);
+            return self.tree.sample(at, root, u).map(|c| (c.light, c.pmf));
         };
         let share = distant_share(root);
         if u < share {
@@ -165,8 +183,8 @@ impl Chooser {
             return Some((light, share * pmf));
         }
         let u = ((u - share) / (1.0 - share)).min(1.0 - f32::EPSILON);
-        let (light, pmf) = self.tree.sample(at, root, u)?;
-        Some((light, (1.0 - share) * pmf))
+        let chosen = self.tree.sample(at, root, u)?;
+        Some((chosen.light, (1.0 - share) * chosen.pmf))
     }
 
     /// Probability with which [`Self::by_tree`] chooses a light.

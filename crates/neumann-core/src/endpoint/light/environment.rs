@@ -204,6 +204,7 @@ impl EnvironmentLight {
                 pdf_a: disk_pdf_a(bounds),
             },
             start_over_aim: 1.0,
+            opacity: 1.0,
         })
     }
 
@@ -231,6 +232,7 @@ impl EnvironmentLight {
             },
             light: 0,
             on_triangle: None,
+            opacity: 1.0,
             is_delta_position: false,
             is_delta_direction: false,
         })

@@ -3,20 +3,30 @@
 mod area;
 mod bounds;
 mod build;
+mod cells;
 mod choice;
+mod emission;
 mod environment;
+mod instances;
 mod panels;
 mod punctual;
+mod texels;
 mod tree;
 
-pub use area::{AreaLight, Emission, TexturedEmission};
-pub use choice::{LightChoice, Receiver};
+pub use area::{AreaLight, Emitter};
+pub use choice::{Chosen, LightChoice, Receiver};
+pub use emission::{
+    Emission, EmissiveCorners, EmissiveMaterial, MAX_EXTENT, VaryingEmission, max_extent,
+};
 pub use environment::EnvironmentLight;
+pub use instances::{LightInstance, MeshLights};
 pub(crate) use panels::PanelLanes;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
+pub use texels::TexelMap;
 
 use glam::Vec3;
 
+use self::area::Panel;
 use self::choice::Chooser;
 use super::{Aim, Start, StartDensities};
 use crate::radiometry::Rgb;
@@ -60,6 +70,8 @@ pub struct LightSample {
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
     lights: Vec<Light>,
+    /// In the order of their triangles; their lights are numbered after those.
+    instances: Vec<LightInstance>,
     chooser: Option<Chooser>,
     environment: Option<usize>,
     /// `of_triangle[triangle]`: its light, or `u32::MAX`.
@@ -82,6 +94,18 @@ impl Lights {
     /// Lights of a scene of `n_triangles` within `bounds`.
     #[must_use]
     pub fn new(lights: Vec<Light>, n_triangles: usize, bounds: Bounds) -> Self {
+        Self::with_instances(lights, Vec::new(), n_triangles, bounds)
+    }
+
+    /// The same, with the lights of meshes that are placed many times, in the order of their triangles, which come after
+    /// the `n_triangles`.
+    #[must_use]
+    pub fn with_instances(
+        lights: Vec<Light>,
+        mut instances: Vec<LightInstance>,
+        n_triangles: usize,
+        bounds: Bounds,
+    ) -> Self {
         let mut of_triangle = Vec::new();
         if lights.iter().any(|l| matches!(l, Light::Area(_))) {
             of_triangle = vec![NO_LIGHT; n_triangles];
@@ -91,18 +115,44 @@ impl Lights {
                 of_triangle[area.triangle() as usize] = i as u32;
             }
         }
+        let mut n_lights = lights.len();
+        for instance in &mut instances {
+            instance.first_light = n_lights;
+            n_lights += instance.n_lights();
+        }
         Self {
-            chooser: Chooser::new(&lights, bounds),
+            chooser: Chooser::new(&lights, &instances, bounds),
             environment: lights
                 .iter()
                 .position(|l| matches!(l, Light::Environment(_))),
             of_triangle,
             lights,
+            instances,
             bounds,
         }
     }
 
-    /// The lights themselves.
+    /// Number of lights.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        let last = self.instances.last();
+        last.map_or(self.lights.len(), |i| i.first_light + i.n_lights())
+    }
+
+    /// True if there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of emissive triangles.
+    #[must_use]
+    pub fn n_triangles(&self) -> usize {
+        let is_other = |l: &&Light| !matches!(l, Light::Area(_));
+        self.len() - self.lights.iter().filter(is_other).count()
+    }
+
+    /// The lights that are not those of instances.
     #[must_use]
     pub fn as_slice(&self) -> &[Light] {
         &self.lights
@@ -117,81 +167,170 @@ impl Lights {
     /// Probability with which [`Self::start`] chooses a light: in proportion to its power.
     #[must_use]
     pub fn pmf_start(&self, light: usize) -> f32 {
-        self.chooser.as_ref().map_or(0.0, |c| c.pmf_by_power(light))
+        self.chooser.as_ref().map_or(0.0, |c| {
+            if light < self.lights.len() {
+                return c.pmf_by_power(light);
+            }
+            let (number, own) = self.place_of(light);
+            let of_instance = c.pmf_by_power(self.lights.len() + number);
+            of_instance * self.instances[number].pmf_by_power(own)
+        })
     }
 
     /// Probability with which [`Self::aim`] chooses a light. Over all lights they add to one, or to less where the way
     /// through the tree may end at lights that cannot reach the point.
     #[must_use]
     pub fn pmf_aim(&self, from: &Receiver, choice: LightChoice, light: usize) -> f32 {
-        self.chooser.as_ref().map_or(0.0, |c| match choice {
-            LightChoice::Tree => c.pmf_by_tree(from, false, light),
-            LightChoice::TreeBesideBsdf => c.pmf_by_tree(from, true, light),
-            LightChoice::Power => c.pmf_by_power(light),
-        })
+        let pmf = |i| {
+            self.chooser.as_ref().map_or(0.0, |c| match choice {
+                LightChoice::Tree => c.pmf_by_tree(from, false, i),
+                LightChoice::TreeBesideBsdf => c.pmf_by_tree(from, true, i),
+                LightChoice::Power => c.pmf_by_power(i),
+            })
+        };
+        if light < self.lights.len() {
+            return pmf(light);
+        }
+        let (number, own) = self.place_of(light);
+        let instance = &self.instances[number];
+        let of_own = match choice {
+            LightChoice::Power => instance.pmf_by_power(own),
+            LightChoice::Tree | LightChoice::TreeBesideBsdf => instance.pmf_by_tree(from, own),
+        };
+        pmf(self.lights.len() + number) * of_own
+    }
+
+    /// The instance that has a light, and the light's number within the mesh.
+    fn place_of(&self, light: usize) -> (usize, usize) {
+        let number = self.instances.partition_point(|i| i.first_light <= light) - 1;
+        (number, light - self.instances[number].first_light)
     }
 
     /// The light that a triangle is, if any.
     #[inline]
     #[must_use]
-    pub fn of_triangle(&self, triangle: u32) -> Option<(usize, &AreaLight)> {
-        let index = *self.of_triangle.get(triangle as usize)?;
-        match self.lights.get(index as usize)? {
-            Light::Area(area) => Some((index as usize, area)),
+    pub fn of_triangle(&self, triangle: u32) -> Option<(usize, Emitter<'_>)> {
+        let Some(index) = self.of_triangle.get(triangle as usize) else {
+            return self.of_instanced_triangle(triangle);
+        };
+        match self.lights.get(*index as usize)? {
+            Light::Area(area) => Some((*index as usize, area.emitter())),
             _ => None,
         }
     }
 
-    /// The light that `u` in [0, 1) falls on, to be aimed at, and its probability; `None` where none can reach the point.
+    #[inline(never)]
+    fn of_instanced_triangle(&self, triangle: u32) -> Option<(usize, Emitter<'_>)> {
+        let is_before = |i: &LightInstance| i.first_triangle() <= triangle;
+        let number = self.instances.partition_point(is_before).checked_sub(1)?;
+        let instance = &self.instances[number];
+        let own = instance.of_triangle(triangle)?;
+        Some((instance.first_light + own, instance.emitter(own)))
+    }
+
+    /// The triangle of a light, and its radiance, if that is the same all over.
+    #[inline]
+    pub(crate) fn as_uniform(&self, light: usize) -> Option<(Panel, Rgb)> {
+        match self.lights.get(light) {
+            Some(Light::Area(area)) => area.emitter().as_uniform(),
+            Some(_) => None,
+            None => {
+                let (number, own) = self.place_of(light);
+                self.instances[number].emitter(own).as_uniform()
+            }
+        }
+    }
+
+    /// The light that `u` in [0, 1)² falls on, to be aimed at; `None` where none can reach the point.
     #[inline(always)]
     #[must_use]
-    pub fn choose(&self, from: &Receiver, choice: LightChoice, u: f32) -> Option<(usize, f32)> {
+    pub fn choose(&self, from: &Receiver, choice: LightChoice, u: [f32; 2]) -> Option<Chosen> {
         let chooser = self.chooser.as_ref()?;
-        match choice {
-            LightChoice::Tree => chooser.by_tree(from, false, u),
-            LightChoice::TreeBesideBsdf => chooser.by_tree(from, true, u),
-            LightChoice::Power => Some(chooser.by_power(u)),
-        }
+        let (index, pmf) = match choice {
+            LightChoice::Tree => chooser.by_tree(from, false, u[0])?,
+            LightChoice::TreeBesideBsdf => chooser.by_tree(from, true, u[0])?,
+            LightChoice::Power => chooser.by_power(u[0]),
+        };
+        self.within(index, pmf, u[1], |instance, u| match choice {
+            LightChoice::Power => Some(instance.by_power(u)),
+            LightChoice::Tree | LightChoice::TreeBesideBsdf => instance.by_tree(from, u),
+        })
+    }
+
+    /// Chooses a light to start a ray from; `None` means no light.
+    #[inline]
+    pub(crate) fn choose_start(&self, u: [f32; 2]) -> Option<Chosen> {
+        let (index, pmf) = self.chooser.as_ref()?.by_power(u[0]);
+        self.within(index, pmf, u[1], |instance, u| Some(instance.by_power(u)))
+    }
+
+    /// The light that was chosen, or, of an instance, the one that `choose` does by `u`.
+    #[inline(always)]
+    fn within(
+        &self,
+        index: usize,
+        pmf: f32,
+        u: f32,
+        choose: impl FnOnce(&LightInstance, f32) -> Option<Chosen>,
+    ) -> Option<Chosen> {
+        let Some(number) = index.checked_sub(self.lights.len()) else {
+            return Some(Chosen {
+                light: index,
+                pmf,
+                part: u,
+            });
+        };
+        let instance = &self.instances[number];
+        let own = choose(instance, u)?;
+        Some(Chosen {
+            light: instance.first_light + own.light,
+            pmf: pmf * own.pmf,
+            part: own.part,
+        })
     }
 
     /// Chooses a light and aims at it; `None` means no light this way.
     #[inline(always)]
     #[must_use]
     pub fn aim(&self, from: &Receiver, choice: LightChoice, u: &LightSample) -> Option<Aim> {
-        let (index, pmf) = self.choose(from, choice, u.choice[0])?;
-        let mut aim = match &self.lights[index] {
-            Light::Area(l) => l.aim(from.position, u),
-            Light::Point(l) => l.aim(from.position),
-            Light::Spot(l) => l.aim(from.position),
-            Light::Directional(l) => Some(l.aim(self.bounds)),
-            Light::Environment(l) => l.aim(u.point, self.bounds),
+        let Chosen { light, pmf, part } = self.choose(from, choice, u.choice)?;
+        let mut aim = match self.lights.get(light) {
+            Some(Light::Area(l)) => l.emitter().aim(from.position, part, u.point),
+            Some(Light::Point(l)) => l.aim(from.position),
+            Some(Light::Spot(l)) => l.aim(from.position),
+            Some(Light::Directional(l)) => Some(l.aim(self.bounds)),
+            Some(Light::Environment(l)) => l.aim(u.point, self.bounds),
+            None => {
+                let (number, own) = self.place_of(light);
+                let emitter = self.instances[number].emitter(own);
+                emitter.aim(from.position, part, u.point)
+            }
         }?;
-        let pmf_start = self.pmf_start(index);
+        let pmf_start = self.pmf_start(light);
         aim.pdf_w *= pmf;
         aim.start.pdf_a *= pmf_start;
         aim.start_over_aim = pmf_start / pmf;
         Some(aim)
     }
 
-    /// Chooses a light to start a ray from, with its probability; `None` means no light.
-    #[inline]
-    pub(crate) fn choose_start(&self, u: f32) -> Option<(usize, f32)> {
-        Some(self.chooser.as_ref()?.by_power(u))
-    }
-
     /// Chooses a light and starts a ray from it; `None` means no light this way.
     #[must_use]
     pub fn start(&self, u: &LightSample) -> Option<Start> {
-        let (index, pmf) = self.choose_start(u.choice[0])?;
-        let mut start = match &self.lights[index] {
-            Light::Area(l) => l.start(u),
-            Light::Point(l) => Some(l.start(u.direction)),
-            Light::Spot(l) => l.start(u.direction),
-            Light::Directional(l) => Some(l.start(u.point, self.bounds)),
-            Light::Environment(l) => l.start(u.direction, u.point, self.bounds),
+        let Chosen { light, pmf, part } = self.choose_start(u.choice)?;
+        let mut start = match self.lights.get(light) {
+            Some(Light::Area(l)) => l.emitter().start(part, u.point, u.direction),
+            Some(Light::Point(l)) => Some(l.start(u.direction)),
+            Some(Light::Spot(l)) => l.start(u.direction),
+            Some(Light::Directional(l)) => Some(l.start(u.point, self.bounds)),
+            Some(Light::Environment(l)) => l.start(u.direction, u.point, self.bounds),
+            None => {
+                let (number, own) = self.place_of(light);
+                let emitter = self.instances[number].emitter(own);
+                emitter.start(part, u.point, u.direction)
+            }
         }?;
         start.densities.pdf_a *= pmf;
-        start.light = index;
+        start.light = light;
         Some(start)
     }
 
@@ -243,7 +382,7 @@ impl Light {
     #[must_use]
     pub fn power(&self, bounds: Bounds) -> Rgb {
         match self {
-            Self::Area(l) => l.power(),
+            Self::Area(l) => l.emitter().power(),
             Self::Point(l) => l.power(),
             Self::Spot(l) => l.power(),
             Self::Directional(l) => l.power(bounds),

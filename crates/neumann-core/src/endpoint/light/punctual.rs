@@ -133,6 +133,7 @@ impl DirectionalLight {
                 pdf_a: disk_pdf_a(bounds),
             },
             start_over_aim: 1.0,
+            opacity: 1.0,
         }
     }
 
@@ -153,6 +154,7 @@ impl DirectionalLight {
             },
             light: 0,
             on_triangle: None,
+            opacity: 1.0,
             is_delta_position: false,
             is_delta_direction: true,
         }
@@ -187,6 +189,7 @@ fn aim_at_point(
         },
         spread: Spread::Point { pdf_w: pdf_w_start },
         start_over_aim: 1.0,
+        opacity: 1.0,
     })
 }
 
@@ -202,6 +205,7 @@ fn start_at_point(position: Vec3, direction: Vec3, intensity: Rgb, pdf_w: f32) -
         spread: Spread::Point { pdf_w },
         light: 0,
         on_triangle: None,
+        opacity: 1.0,
         is_delta_position: true,
         is_delta_direction: false,
     }

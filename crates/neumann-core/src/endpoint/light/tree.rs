@@ -12,8 +12,8 @@
 
 use glam::Vec4;
 
-use super::Receiver;
 use super::bounds::LightBounds;
+use super::choice::{Chosen, Receiver};
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 4;
@@ -136,15 +136,10 @@ impl LightTree {
         self.nodes[0].importances(at)
     }
 
-    /// The light that `u` in [0, 1) falls on, and its probability; `None` where the way ends at lights that cannot reach
-    /// the receiver after all.
+    /// The light that `u` in [0, 1) falls on, with what is left of `u` for a part of it; `None` where the way ends at lights that cannot
+    /// reach the receiver after all.
     #[inline]
-    pub(super) fn sample(
-        &self,
-        at: &Receiver,
-        root: Importances,
-        mut u: f32,
-    ) -> Option<(usize, f32)> {
+    pub(super) fn sample(&self, at: &Receiver, root: Importances, mut u: f32) -> Option<Chosen> {
         let mut pmf = 1.0;
         let mut node = &self.nodes[0];
         let mut importances = root;
@@ -153,7 +148,11 @@ impl LightTree {
             pmf *= importances.pmf(lane);
             let child = node.children[lane];
             if child & LIGHT != 0 {
-                return Some(((child & !LIGHT) as usize, pmf));
+                return Some(Chosen {
+                    light: (child & !LIGHT) as usize,
+                    pmf,
+                    part: u,
+                });
             }
             node = &self.nodes[child as usize];
             importances = node.importances(at);

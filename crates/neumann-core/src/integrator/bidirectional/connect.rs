@@ -26,16 +26,21 @@ pub fn hit_emitter(
         return None;
     }
     let lights = tracer.scene.lights();
-    let (index, light) = lights.of_triangle(vertex.surface.triangle)?;
-    let mis_weight = walk.receiver.map_or(1.0, |from| {
-        let pdf_a = light.pdf_a(vertex.surface.barycentrics);
-        let start = StartDensities {
-            pdf_a: lights.pmf_start(index) * pdf_a,
-            pdf_w: light.pdf_w_start(vertex.surface.wo),
-        };
-        let pdf_a_aim = lights.pmf_aim(&from, LightChoice::Tree, index) * pdf_a;
-        weighing.hit(vertex.partial, pdf_a_aim, start)
-    });
+    // Where no light was made of the emitter, nothing else competes.
+    let light = lights.of_triangle(vertex.surface.triangle);
+    let mis_weight = walk
+        .receiver
+        .zip(light)
+        .map_or(1.0, |(from, (index, light))| {
+            // It was met with its opacity, and would have been aimed at or started from without.
+            let pdf_a = light.pdf_a(vertex.surface.barycentrics) / vertex.surface.opacity;
+            let start = StartDensities {
+                pdf_a: lights.pmf_start(index) * pdf_a,
+                pdf_w: light.pdf_w_start(vertex.surface.wo),
+            };
+            let pdf_a_aim = lights.pmf_aim(&from, LightChoice::Tree, index) * pdf_a;
+            weighing.hit(vertex.partial, pdf_a_aim, start)
+        });
     Some(contribution(
         vertex.throughput * emitted,
         mis_weight,
@@ -271,8 +276,8 @@ pub fn see_light(
     let lights = tracer.scene.lights();
     let (raster, value) = if let Some((triangle, barycentrics)) = start.on_triangle {
         let (_, light) = lights.of_triangle(triangle)?;
-        let radiance = |wo| light.radiance(barycentrics, wo);
-        let (raster, value, aim) = see_panel_unshadowed(camera, start, u, radiance)?;
+        let sent = |wo| light.sent(barycentrics, wo);
+        let (raster, value, aim) = see_panel_unshadowed(camera, start, u, sent)?;
         (raster, value * tracer.light_to(&start.point(), &aim, media))
     } else if start.is_delta_position || start.is_delta_direction {
         return None;

@@ -150,8 +150,9 @@ impl Weighing {
     #[must_use]
     pub fn of_light(&self, start: &Start) -> Partial {
         let is_delta = start.is_delta_position || start.is_delta_direction;
-        let lens = (!is_delta).then_some((start.cos, start.densities));
-        self.of_start(first_density(start.spread), lens, 1.0)
+        // Whoever runs into the light meets as much of it as there is.
+        let back = (!is_delta).then_some((start.cos * start.opacity, start.densities));
+        self.of_start(first_density(start.spread), back, 1.0)
     }
 
     /// Quantities of a ray as the camera starts it.
@@ -264,7 +265,7 @@ impl Weighing {
         let found = if aim.is_delta {
             0.0
         } else {
-            self.of(joint.forward / aim.pdf_w)
+            self.of(joint.forward * aim.opacity / aim.pdf_w)
         };
         // What starts at the endpoint is chosen otherwise than what aims at it: p_trace / p_connect.
         let chosen = aim.start_over_aim * aim.spread.pdf_a_across(aim.distance);

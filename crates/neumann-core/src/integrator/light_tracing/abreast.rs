@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::accel::{Hit, HitLanes, RayLanes};
-use crate::endpoint::light::{Light, PanelLanes};
+use crate::endpoint::light::PanelLanes;
 use crate::endpoint::{Camera, Spread, Start, StartDensities, SurfacePoint};
 use crate::integrator::abreast::PathLanes;
 use crate::integrator::bidirectional::connect::see_panel_unshadowed;
@@ -186,16 +186,13 @@ impl Starts {
         if walk.scene.bodies().hold_lights() {
             return false;
         }
-        let Some((index, pmf)) = lights.choose_start(choice[0]) else {
+        let Some(chosen) = lights.choose_start(choice) else {
             return false;
         };
-        let Light::Area(light) = &lights.as_slice()[index] else {
+        let Some(panel) = lights.as_uniform(chosen.light) else {
             return false;
         };
-        let Some(panel) = light.as_uniform() else {
-            return false;
-        };
-        self.panels.set(lane, &panel, pmf, point);
+        self.panels.set(lane, &panel, chosen.pmf, point);
         for i in 0..2 {
             self.u_direction[i].set(lane, direction[i]);
             self.u_lens[i].set(lane, lens[i]);
@@ -319,6 +316,7 @@ const NOWHERE: Start = Start {
     spread: Spread::Point { pdf_w: 1.0 },
     light: 0,
     on_triangle: None,
+    opacity: 1.0,
     is_delta_position: false,
     is_delta_direction: false,
 };

@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use crate::accel::{Hit, HitLanes, RayLanes};
-use crate::endpoint::light::{Light, PanelLanes};
+use crate::endpoint::light::PanelLanes;
 use crate::endpoint::{Camera, Receiver, SurfacePoint};
 use crate::integrator::abreast::PathLanes;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
@@ -265,17 +265,12 @@ impl<'a> Step<'a> {
                 lanes.set(lane, u);
             }
             events.u_roulette.set(lane, lobe[1]);
-            let choice = lights.choose(&vertices.receiver(lane), walk.choice, light[0]);
-            let Some((index, pmf)) = choice else {
+            let Some(chosen) = lights.choose(&vertices.receiver(lane), walk.choice, light) else {
                 events.panels.clear(lane);
                 continue;
             };
-            let panel = match &lights.as_slice()[index] {
-                Light::Area(light) => light.as_uniform(),
-                _ => None,
-            };
-            match panel {
-                Some(panel) => events.panels.set(lane, &panel, pmf, point),
+            match lights.as_uniform(chosen.light) {
+                Some(panel) => events.panels.set(lane, &panel, chosen.pmf, point),
                 None => {
                     paths.step(walk, lane, hits[lane].as_ref(), tracer, sink);
                     abreast &= !(1 << lane);
@@ -363,6 +358,7 @@ vectorized! {
                 value: Rgb::BLACK,
                 pdf_w_light: 1.0,
                 pdf_w_bsdf: 0.0,
+                opacity: 1.0,
             });
             let light = light.unwrap_or(SurfacePoint::NOWHERE);
             let throughput = paths.common.throughput(lane);

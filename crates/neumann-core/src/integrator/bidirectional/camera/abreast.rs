@@ -3,7 +3,7 @@
 use super::CameraEnd;
 use crate::accel::RayLanes;
 use crate::bsdf::TransportMode;
-use crate::endpoint::light::{Light, PanelLanes};
+use crate::endpoint::light::PanelLanes;
 use crate::endpoint::{Aim, LightChoice, SurfacePoint};
 use crate::film::Strategy;
 use crate::integrator::bidirectional::connect::{contribution, next_event_unshadowed};
@@ -194,18 +194,14 @@ impl<'s> CameraEnd<'s> {
                 continue;
             }
             let receiver = room.vertices.surfaces.receiver(lane);
-            let Some((index, pmf)) = lights.choose(&receiver, LightChoice::Tree, light[0]) else {
+            let Some(chosen) = lights.choose(&receiver, LightChoice::Tree, light) else {
                 events.panels.clear(lane);
                 continue;
             };
-            let panel = match &lights.as_slice()[index] {
-                Light::Area(light) => light.as_uniform(),
-                _ => None,
-            };
-            match panel {
+            match lights.as_uniform(chosen.light) {
                 Some(panel) => {
-                    events.panels.set(lane, &panel, pmf, point);
-                    let start_over_aim = lights.pmf_start(index) / pmf;
+                    events.panels.set(lane, &panel, chosen.pmf, point);
+                    let start_over_aim = lights.pmf_start(chosen.light) / chosen.pmf;
                     events.start_over_aim.set(lane, start_over_aim);
                 }
                 None => abreast &= !(1 << lane),

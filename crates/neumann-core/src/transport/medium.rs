@@ -15,6 +15,7 @@ use crate::accel::Hit;
 use crate::bsdf::{Bsdf, Walls};
 use crate::endpoint::{Aim, Start, SurfacePoint};
 use crate::math::Ray;
+use crate::math::ray::NO_TRIANGLE;
 use crate::radiometry::Rgb;
 use crate::scene::bodies::{Bodies, Crossing, Media, Wall};
 
@@ -239,7 +240,8 @@ impl<'a> Tracer<'a> {
     /// Share of light that gets from a surface, on a side where `media` are, to what was aimed at.
     #[inline(always)]
     pub fn light_to(&mut self, from: &SurfacePoint, aim: &Aim, media: Media) -> Rgb {
-        if self.scene.bodies().is_empty() {
+        let bodies = self.scene.bodies();
+        if bodies.is_empty() || (media.is_vacuum() && !bodies.have_leaks()) {
             return Rgb::splat(self.visibility(from, aim));
         }
         self.light_through(&shadow_ray(from, aim), aim.distance, media)
@@ -255,7 +257,8 @@ impl<'a> Tracer<'a> {
         distance: f32,
         media: Media,
     ) -> Rgb {
-        if self.scene.bodies().is_empty() {
+        let bodies = self.scene.bodies();
+        if bodies.is_empty() || (media.is_vacuum() && !bodies.have_leaks()) {
             return Rgb::splat(self.visibility_between(from, to));
         }
         self.light_through(&from.segment_to(to), distance, media)
@@ -302,6 +305,14 @@ impl<'a> Tracer<'a> {
         let mut light = Rgb::WHITE;
         let mut from = 0.0;
         while let Some(met) = self.next_met(ray, &mut hits, media) {
+            // Walls in the place that the ray ends at are part of what it was aimed at.
+            let has_target = ray.aims_at() != NO_TRIANGLE;
+            if has_target
+                && met.crossing.is_some()
+                && met.hit.t + self.reach(&met.hit, ray) >= ray.t_max()
+            {
+                continue;
+            }
             if met
                 .crossing
                 .is_none_or(|(crossing, _)| crossing.is_interface)

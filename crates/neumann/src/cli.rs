@@ -32,7 +32,7 @@ pub(crate) struct Cli {
     /// A .gltf or .glb file, or the name of a built-in scene ('neumann list scenes')
     pub(crate) scene: Option<String>,
     /// Memory that files may take once read, such as 800M or 4G [default: half of what is free]
-    #[arg(long, global = true, value_name = "BYTES", value_parser = crate::options::bytes)]
+    #[arg(long, global = true, value_name = "BYTES", value_parser = crate::options::bytes, allow_hyphen_values = true)]
     pub(crate) memory: Option<u64>,
     #[command(subcommand)]
     pub(crate) command: Option<Command>,

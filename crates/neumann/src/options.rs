@@ -157,7 +157,7 @@ pub(crate) struct GoalOptions {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse::whole(0..=u32::MAX), allow_hyphen_values = true)]
     pub(crate) first_iteration: u32,
     /// Render part I (from 1 on) of N equal parts of the iterations; 'neumann merge' joins the parts
-    #[arg(long, value_name = "I/N")]
+    #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
     pub(crate) shard: Option<Shard>,
     /// Save the .exr so often while rendering, so that a kill loses no more; 0 for never
     /// [default: 60, or longer, so that saving takes no more than a twentieth of the time]

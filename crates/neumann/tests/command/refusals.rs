@@ -216,6 +216,12 @@ fn odd_values_are_answered_in_one_sentence() {
         ("--env-intensity -1", "from 0"),
         ("--env-rotation inf", "number"),
         ("--techniques p --techniques-divisor 0", "whole number"),
+        ("--checkpoint -1", "number"),
+        ("--checkpoint nan", "number"),
+        ("--shard 0/4", "--shard"),
+        ("--shard -1/4", "--shard"),
+        ("--memory -1", "bytes"),
+        ("--memory 0", "bytes"),
         ("--set roulette=maybe", "on or off"),
         ("--set radius=nan --integrator ppm", "radius"),
         ("--set radius=-1 --integrator ppm", "radius"),
@@ -243,8 +249,9 @@ fn what_no_graphics_device_can_draw_is_refused() {
             return;
         }
         assert_eq!(output.status.code(), Some(2), "{line}: {stderr}");
-        assert!(stderr.contains("smaller size"), "{line}: {stderr}");
-        assert_eq!(stderr.lines().count(), 1, "{line}: {stderr}");
+        // Drivers may have something to say as well.
+        let told = stderr.lines().filter(|line| line.contains("smaller size"));
+        assert_eq!(told.count(), 1, "{line}: {stderr}");
     }
     assert!(folder.names().iter().all(|name| name != "a.png"));
 }

@@ -36,7 +36,7 @@ fn has_thread(child: &Child, name: &str) -> bool {
     };
     tasks.flatten().any(|task| {
         let comm = std::fs::read_to_string(task.path().join("comm"));
-        comm.is_ok_and(|comm| name.starts_with(comm.trim()) && !comm.trim().is_empty())
+        comm.is_ok_and(|comm| comm.trim() == name)
     })
 }
 

@@ -277,13 +277,13 @@ impl<'a> Packet<'a> {
             let [u_bits, v_bits, w_bits] = [u, v, w].map(|x| _mm512_castps_si512(x));
             let or = _mm512_or_si512(_mm512_or_si512(u_bits, v_bits), w_bits);
             let and = _mm512_and_si512(_mm512_and_si512(u_bits, v_bits), w_bits);
-            let index = _mm512_set1_epi32(triangle as i32);
-            let [starts, ends] = self.ends.map(|end| _mm512_cmpeq_epi32_mask(end, index));
             let inside = lanes & (!_mm512_movepi32_mask(or) | _mm512_movepi32_mask(and));
-            let inside = inside & !(starts | ends);
             if inside == 0 {
                 continue;
             }
+            let index = _mm512_set1_epi32(triangle as i32);
+            let [starts, ends] = self.ends.map(|end| _mm512_cmpeq_epi32_mask(end, index));
+            let inside = inside & !(starts | ends);
             let determinant = _mm512_add_ps(_mm512_add_ps(u, v), w);
             let inverse = _mm512_div_ps(_mm512_set1_ps(1.0), determinant);
             let scaled = _mm512_add_ps(

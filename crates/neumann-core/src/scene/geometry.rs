@@ -87,22 +87,28 @@ impl Facet {
     /// coordinates decide where the ray runs along the facet, as far as can be told.
     #[inline(always)]
     pub(crate) fn met_by(&self, origin: Vec3, direction: Vec3, hit: &Hit) -> MetAt {
+        let t = self.distance_along(origin, direction);
+        if MetAt::is_known(t) {
+            MetAt::new(origin, direction, t)
+        } else {
+            self.met_somewhere(hit)
+        }
+    }
+
+    /// How far its plane is along a ray, in lengths of its direction.
+    #[inline(always)]
+    pub(crate) fn distance_along(&self, origin: Vec3, direction: Vec3) -> f64 {
         let [a, b, c] = self.corners.map(Vec3::as_dvec3);
-        let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
         let normal = (b - a).cross(c - a);
-        let t = normal.dot(a - origin) / normal.dot(direction);
-        let met = (origin + direction * t).as_vec3();
-        let otherwise = self.at(hit.barycentrics);
-        let is_met = t.abs() < f64::MAX;
-        let position = [0, 1, 2].map(|i| select(is_met, met[i], otherwise[i]));
-        let distance = select(is_met, t as f32, hit.t);
+        normal.dot(a - origin.as_dvec3()) / normal.dot(direction.as_dvec3())
+    }
+
+    /// Where a ray meets it of which [`Self::distance_along`] is not known.
+    #[cold]
+    pub(crate) fn met_somewhere(&self, hit: &Hit) -> MetAt {
         MetAt {
-            position: position.into(),
-            distance: if distance > LEAST_DISTANCE {
-                distance
-            } else {
-                LEAST_DISTANCE
-            },
+            position: self.at(hit.barycentrics),
+            distance: hit.t.max(LEAST_DISTANCE),
         }
     }
 }
@@ -114,6 +120,24 @@ pub(crate) struct MetAt {
     pub(crate) position: Vec3,
     /// In lengths of the ray's direction.
     pub(crate) distance: f32,
+}
+
+impl MetAt {
+    /// The point of a ray at a distance that is known.
+    #[inline(always)]
+    pub(crate) fn new(origin: Vec3, direction: Vec3, t: f64) -> Self {
+        let distance = t as f32;
+        Self {
+            position: (origin.as_dvec3() + direction.as_dvec3() * t).as_vec3(),
+            distance: select(distance > LEAST_DISTANCE, distance, LEAST_DISTANCE),
+        }
+    }
+
+    /// False where a ray runs along a facet.
+    #[inline(always)]
+    pub(crate) fn is_known(t: f64) -> bool {
+        t.abs() < f64::MAX
+    }
 }
 
 /// Distance between surfaces that touch, metres: its square is still a number.

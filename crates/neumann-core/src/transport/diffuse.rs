@@ -12,11 +12,11 @@ use crate::bsdf::{Bsdf, Lambert, TransportMode};
 use crate::endpoint::{Receiver, SurfacePoint};
 use crate::material::Material;
 use crate::math::Frame;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, vectorized};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
 use crate::radiometry::{Rgb, RgbLanes};
 use crate::scene::Scene;
 use crate::scene::bodies::Media;
-use crate::scene::geometry::Facet;
+use crate::scene::geometry::{Facet, MetAt};
 
 use super::tracer::on_side;
 
@@ -129,7 +129,16 @@ impl<'a> DiffuseVertices<'a> {
 
     /// Computes what follows from the hits of rays, for what is below.
     pub(crate) fn complete(&mut self, rays: &RayLanes) {
-        place(self, rays);
+        let mut distances = [0.0; LANES];
+        measure(self, rays, &mut distances);
+        place(self, rays, &distances);
+        for lane in lanes_of(rays.mask()) {
+            if !MetAt::is_known(distances[lane]) {
+                let met = self.facet(lane).met_somewhere(&self.hit(lane));
+                self.position.set(lane, met.position);
+                self.distance.set(lane, met.distance);
+            }
+        }
         complete(self, rays);
     }
 
@@ -141,6 +150,23 @@ impl<'a> DiffuseVertices<'a> {
         samples: &mut DiffuseSamples,
     ) {
         sample(self, u, mode, samples);
+    }
+
+    /// The facet in a lane, as far as it was read.
+    #[inline(always)]
+    fn facet(&self, lane: usize) -> Facet {
+        let corners = [0, 1, 2].map(|i| self.corners[i].get(lane));
+        Facet::new_at(corners, self.ng.get(lane))
+    }
+
+    /// The hit in a lane.
+    #[inline(always)]
+    fn hit(&self, lane: usize) -> Hit {
+        Hit {
+            t: self.t.get(lane),
+            triangle: self.triangle.get(lane),
+            barycentrics: [0, 1].map(|i| self.barycentrics[i].get(lane)),
+        }
     }
 
     /// [`SurfaceVertex::receiver`] of the vertex in a lane.
@@ -284,17 +310,20 @@ vectorized! {
 }
 
 vectorized! {
-    /// Where the rays meet the facets. By itself, since it is done in double precision.
-    fn place(v: &mut DiffuseVertices<'_>, rays: &RayLanes) {
-        for lane in 0..LANES {
-            let corners = [0, 1, 2].map(|i| v.corners[i].get(lane));
-            let facet = Facet::new_at(corners, v.ng.get(lane));
-            let hit = Hit {
-                t: v.t.get(lane),
-                triangle: v.triangle.get(lane),
-                barycentrics: [v.barycentrics[0].get(lane), v.barycentrics[1].get(lane)],
-            };
-            let met = facet.met_by(rays.origin(lane), rays.direction(lane), &hit);
+    /// How far away the rays meet the planes of the facets. By itself, since vectors of double precision are made of it.
+    fn measure(v: &DiffuseVertices<'_>, rays: &RayLanes, distances: &mut [f64; LANES]) {
+        for (lane, distance) in distances.iter_mut().enumerate() {
+            let facet = v.facet(lane);
+            *distance = facet.distance_along(rays.origin(lane), rays.direction(lane));
+        }
+    }
+}
+
+vectorized! {
+    /// Where that is.
+    fn place(v: &mut DiffuseVertices<'_>, rays: &RayLanes, distances: &[f64; LANES]) {
+        for (lane, &t) in distances.iter().enumerate() {
+            let met = MetAt::new(rays.origin(lane), rays.direction(lane), t);
             v.position.set(lane, met.position);
             v.distance.set(lane, met.distance);
         }

@@ -2,6 +2,7 @@
 //!
 //! The key light stands in front on the left, above; a dimmer one fills from
 //! the right, one hangs overhead, and a narrow one behind draws the outline.
+//! All of them end above the horizon: whoever looks down sees nothing but ground.
 //! "In front" is +Z, from where glTF models are looked at. Everything is
 //! neutral, so that colours are the file's own.
 
@@ -22,7 +23,7 @@ struct SoftBox {
 }
 
 /// Makes the brightest white surface have radiance 1.
-const SCALE: f32 = 0.668;
+const SCALE: f32 = 0.655;
 /// Radiance of the ground straight below, and what it gains towards the horizon.
 const GROUND: [f32; 2] = [0.21, 0.11];
 /// Radiance of the walls at the horizon, and what they gain towards the zenith.
@@ -37,11 +38,11 @@ const BOXES: [SoftBox; 4] = [
         radiance: 4.6,
     },
     SoftBox {
-        towards: Vec3::new(0.95, 0.28, 0.38),
+        towards: Vec3::new(0.95, 0.48, 0.38),
         up: Vec3::Y,
-        half_size: [0.26, 0.55],
+        half_size: [0.30, 0.36],
         softness: 0.05,
-        radiance: 1.6,
+        radiance: 2.0,
     },
     SoftBox {
         towards: Vec3::new(0.0, 1.0, -0.25),
@@ -51,11 +52,11 @@ const BOXES: [SoftBox; 4] = [
         radiance: 1.3,
     },
     SoftBox {
-        towards: Vec3::new(0.55, 0.40, -0.90),
+        towards: Vec3::new(0.55, 0.60, -0.90),
         up: Vec3::Y,
-        half_size: [0.12, 0.60],
+        half_size: [0.14, 0.42],
         softness: 0.04,
-        radiance: 2.6,
+        radiance: 3.0,
     },
 ];
 

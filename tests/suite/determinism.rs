@@ -436,7 +436,7 @@ fn jobs_start_pause_and_stop() {
     wait_for(&render_loop, &bell, |p| {
         p.generation == generation && p.stats.is_done
     });
-    assert!(render_loop.published().stats.seconds >= 0.05);
+    assert!(render_loop.published().stats.n_iterations > 0);
     // Dropped at work: no hang.
     render_loop.start(job(10, StopRule::Never));
     drop(render_loop);

@@ -93,12 +93,12 @@ mod tests {
     #[test]
     fn what_is_whole_is_accepted() {
         for target in TARGETS {
-            // Further seeds of documents are edited already.
+            // Further seeds of documents are edited already, and bytes say what accessors are like.
             let seeds = (target.seeds)();
-            let n_whole = if target.name == "scene-json" {
-                1
-            } else {
-                seeds.len()
+            let n_whole = match target.name {
+                "scene-json" => 1,
+                "accessors" => 0,
+                _ => seeds.len(),
             };
             for (i, seed) in seeds.iter().take(n_whole).enumerate() {
                 assert!((target.run)(seed), "{}: seed {i}", target.name);

@@ -51,7 +51,7 @@ pub(crate) const ACCESSORS: Target = Target {
         Ok((document, buffer)) => load_and_render(document.to_string().as_bytes(), &buffer),
         Err(_) => false,
     },
-    // All of the plainest kind, and everything mixed.
+    // All zero, and everything mixed.
     seeds: || {
         let mixed = (0..400_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8);
         vec![vec![0; 200], mixed.collect()]

@@ -308,22 +308,18 @@ mod tests {
 
     #[test]
     fn an_error_is_unknown_until_there_is_evidence() {
-        let mut film = Film::new(3, 2, 2);
-        assert_eq!(film.estimated_error(), None);
-        film.add(&frame_of(0.0));
-        film.add(&frame_of(0.0));
-        assert_eq!(film.estimated_error(), None, "no light yet");
-        film.add(&frame_of(2.0));
-        // L was 0, 0, 6: mean 2, sample variance 12, over n = 3.
-        let error = film.estimated_error().unwrap();
-        assert!((error - 1.0).abs() < 1e-6, "{error}");
-        let mut one = Film::new(3, 2, 2);
-        one.add(&frame_of(2.0));
-        assert_eq!(
-            one.estimated_error(),
-            None,
-            "one says nothing of the spread"
-        );
+        let film = |n_iterations, mean, variance| {
+            let mean = vec![Rgb::splat(mean); 6];
+            let layers = vec![mean.clone(), vec![Rgb::BLACK; 6]];
+            let variance = [Rgb::splat(variance); 6];
+            Film::from_parts((3, 2), n_iterations, layers, mean, &variance, 0).unwrap()
+        };
+        let known = film(3, 2.0, 4.0).estimated_error().unwrap();
+        assert!((known - 1.0).abs() < 1e-6, "{known}");
+        let (black, single) = (film(3, 0.0, 0.0), film(1, 2.0, 0.0));
+        assert_eq!(black.estimated_error(), None, "no light yet");
+        assert_eq!(single.estimated_error(), None, "one has no spread");
+        assert_eq!(Film::new(3, 2, 2).estimated_error(), None);
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! Writes files whole or not at all.
 //!
-//! The content goes to a file without a name in the same folder ([`temporary`]), is flushed to
+//! The content goes to a file without a name in the same folder (`temporary`), is flushed to
 //! the disk, and takes the place of the old file in one step: whatever happens in between, the
 //! name holds either the old content or the new. Mode and owner of the old file are kept, links
 //! are followed, and whatever can be known to be in the way is found before any work is done
-//! ([`destination`]).
+//! (`destination`).
 
 mod destination;
 mod temporary;

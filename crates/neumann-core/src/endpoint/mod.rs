@@ -26,7 +26,7 @@ use crate::radiometry::Rgb;
 pub struct SurfacePoint {
     /// World space, metres.
     pub position: Vec3,
-    /// Index of the triangle that it is on, or [`NO_TRIANGLE`](crate::math::ray::NO_TRIANGLE).
+    /// Index of the triangle that it is on, or [`NO_TRIANGLE`].
     pub triangle: u32,
     /// Geometric normal, unit, towards the front side.
     pub ng: Vec3,
@@ -106,7 +106,7 @@ impl Spread {
 pub struct Start {
     /// Where it starts, world space.
     pub position: Vec3,
-    /// Index of the triangle that it is on, or [`NO_TRIANGLE`](crate::math::ray::NO_TRIANGLE).
+    /// Index of the triangle that it is on, or [`NO_TRIANGLE`].
     pub triangle: u32,
     /// Normal of the endpoint there (the direction itself where there is no surface).
     pub ng: Vec3,

@@ -1,7 +1,9 @@
 //! Does light come from where a surface emits, and from as much of it as there is?
 //!
-//! Emission may vary by a texture, and be seen through coverage: a factor, a texture, vertices. Points of such lamps are drawn
-//! with the density that is stated, wherever texture coordinates lead; every method sees the same lamp, and what it lights.
+//! Emission may vary by a texture, and be seen through coverage: a factor, a texture, vertices.
+//! Points of such lamps are drawn
+//! with the density that is stated, wherever texture coordinates lead; every method sees the same
+//! lamp, and what it lights.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -167,7 +169,8 @@ fn triangles() -> Vec<(&'static str, Arc<Scene>)> {
     ]
 }
 
-/// Calls with barycentric coordinates all over a triangle, `2 n²` for a square of twice its area, none of them in step with any
+/// Calls with barycentric coordinates all over a triangle, `2 n²` for a square of twice its area,
+/// none of them in step with any
 /// texture.
 fn all_over(n: usize, mut with: impl FnMut([f32; 2])) {
     for i in 0..2 * n * n {
@@ -275,7 +278,8 @@ fn covered(alpha: f32, alpha_mode: AlphaMode, filter: Option<Filter>) -> Materia
     }
 }
 
-/// A lamp gives as much light as there is of it, to whoever looks at it and to the floor, by every method.
+/// A lamp gives as much light as there is of it, to whoever looks at it and to the floor, by every
+/// method.
 #[test]
 fn lamps_shine_through_their_coverage() {
     let mut family = Family::default();

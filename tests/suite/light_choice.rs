@@ -81,7 +81,8 @@ fn distant() -> Vec<Light> {
     ]
 }
 
-/// Emissive meshes that are placed several times, some stretched, some as their mirror image, among lights by themselves; and all
+/// Emissive meshes that are placed several times, some stretched, some as their mirror image, among
+/// lights by themselves; and all
 /// their lights by themselves.
 fn instanced(n_triangles: usize, random: &mut Random) -> (Lights, Vec<Light>) {
     let singles = jumble(10, random);

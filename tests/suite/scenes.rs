@@ -339,7 +339,8 @@ fn place_hardly_matters() {
     for (k, mean) in means.iter().enumerate().take(8) {
         let exact = 0.5f64.powi(k as i32);
         assert!(
-            // Starts of rays are rounded to the grid of coordinates there, 6e-5 m, and some are outside
+            // Starts of rays are rounded to the grid of coordinates there, 6e-5 m, and some are
+            // outside
             // of the facet beside theirs: 0.03 % of the light is lost at every bounce.
             (mean[1] / exact - 1.0).abs() < 0.003,
             "layer {k}: {}",

@@ -104,7 +104,8 @@ fn sheets_that_are_cut_out_take_no_light() {
     family.judge();
 }
 
-/// However many layers there are, and however many in one plane: each counts once for rays that ask how much gets
+/// However many layers there are, and however many in one plane: each counts once for rays that ask
+/// how much gets
 /// through, and stops its share of the rays that go on.
 #[test]
 fn layers_multiply_for_every_kind_of_ray() {
@@ -137,7 +138,8 @@ fn layers_multiply_for_every_kind_of_ray() {
     }
 }
 
-/// A lamp in the plane of the ceiling shines, if it comes first in the scene, and does not otherwise; upright, turned, and a
+/// A lamp in the plane of the ceiling shines, if it comes first in the scene, and does not
+/// otherwise; upright, turned, and a
 /// kilometre away.
 #[test]
 fn of_surfaces_in_one_plane_all_methods_see_the_same() {
@@ -168,7 +170,8 @@ fn of_surfaces_in_one_plane_all_methods_see_the_same() {
     family.judge();
 }
 
-/// Light from below a floor stays there, whatever stands flush on it: a glass box, a half-transparent decal.
+/// Light from below a floor stays there, whatever stands flush on it: a glass box, a
+/// half-transparent decal.
 #[test]
 fn nothing_leaks_through_a_floor_under_flush_things() {
     let glass = MaterialDescription {
@@ -214,7 +217,8 @@ fn nothing_leaks_through_a_floor_under_flush_things() {
                     let setup = Setup::new(&scene, 24, 24).by(method(id).unwrap());
                     let film = setup.up_to(4).film(0, 16);
                     let sum: f64 = film.layer_means().iter().map(|layer| layer[1]).sum();
-                    // The floor is wider than the light can go around it; its two halves see each other by rounding.
+                    // The floor is wider than the light can go around it; its two halves see each
+                    // other by rounding.
                     assert!(sum < 1e-4, "{name}, {id}, first: {is_first}: {sum}");
                 }
             }
@@ -222,7 +226,8 @@ fn nothing_leaks_through_a_floor_under_flush_things() {
     }
 }
 
-/// A box of a centimetre below a lamp, on floors from a few centimetres to six kilometres, level and tilted.
+/// A box of a centimetre below a lamp, on floors from a few centimetres to six kilometres, level
+/// and tilted.
 #[test]
 fn a_small_box_does_not_know_how_large_its_floor_is() {
     let scene = |half: f32, tilt: f32| {
@@ -265,7 +270,8 @@ fn a_small_box_does_not_know_how_large_its_floor_is() {
     }
 }
 
-/// Two half-transparent decals above a wall, a millimetre from each other, a kilometre from the origin.
+/// Two half-transparent decals above a wall, a millimetre from each other, a kilometre from the
+/// origin.
 #[test]
 fn decals_hold_a_kilometre_away() {
     let mut stage = below_lamp();

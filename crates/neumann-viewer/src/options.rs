@@ -50,7 +50,8 @@ pub struct ViewOptions {
 /// How bright radiance is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Exposure {
-    /// By itself for a file of the user's own, 0 for a built-in scene, whose lights are made for it.
+    /// By itself for a file of the user's own, 0 for a built-in scene, whose lights are made for
+    /// it.
     #[default]
     ForScene,
     /// Multiplied by 2 to this power.

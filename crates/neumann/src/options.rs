@@ -104,14 +104,16 @@ pub(crate) struct CameraArguments {
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Environment")]
 pub(crate) struct EnvironmentArguments {
-    /// Sky in place of the scene's: studio, uniform, sun or none, or a lat-long map, .hdr or .exr ('./sun' for a file
+    /// Sky in place of the scene's: studio, uniform, sun or none, or a lat-long map, .hdr or .exr
+    /// ('./sun' for a file
     /// of such a name). A map's centre is seen looking along -Z, its right half towards +X
     #[arg(long, value_name = "NAME|FILE", value_parser = sky)]
     pub(crate) env: Option<SkyChoice>,
     /// Factor on the environment
     #[arg(long, value_name = "F", value_parser = parse::not_negative, allow_hyphen_values = true)]
     pub(crate) env_intensity: Option<f32>,
-    /// Turn of the environment about the vertical, degrees, counter-clockwise seen from above; a map placed as in
+    /// Turn of the environment about the vertical, degrees, counter-clockwise seen from above; a
+    /// map placed as in
     /// Blender (exported with +Y up) needs -90, as in Mitsuba 180
     #[arg(long, value_name = "DEG", value_parser = parse::finite, allow_hyphen_values = true)]
     pub(crate) env_rotation: Option<f32>,
@@ -121,7 +123,8 @@ pub(crate) struct EnvironmentArguments {
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Display")]
 pub(crate) struct DisplayOptions {
-    /// Exposure: stops, or auto to bring what is lit to middle grey on average [default: 0; in the window auto for files
+    /// Exposure: stops, or auto to bring what is lit to middle grey on average [default: 0; in the
+    /// window auto for files
     /// of your own]
     #[arg(long, value_name = "EV|auto", value_parser = parse::exposure, allow_hyphen_values = true)]
     pub(crate) exposure: Option<Exposure>,
@@ -156,7 +159,8 @@ pub(crate) struct GoalOptions {
     /// Number of the first iteration; renders with different ones can be merged
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse::whole(0..=u32::MAX), allow_hyphen_values = true)]
     pub(crate) first_iteration: u32,
-    /// Render part I (from 1 on) of N equal parts of the iterations; 'neumann merge' joins the parts
+    /// Render part I (from 1 on) of N equal parts of the iterations; 'neumann merge' joins the
+    /// parts
     #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
     pub(crate) shard: Option<Shard>,
     /// Save the .exr so often while rendering, so that a kill loses no more; 0 for never

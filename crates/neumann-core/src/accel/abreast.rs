@@ -92,7 +92,8 @@ impl RayLanes {
         self.direction.get(lane)
     }
 
-    /// Gives a lane another ray with the same end, from a point of a triangle, if it is to be there.
+    /// Gives a lane another ray with the same end, from a point of a triangle, if it is to be
+    /// there.
     #[inline(always)]
     pub(crate) fn replace(
         &mut self,

@@ -72,13 +72,15 @@ struct Packet<'a> {
     shear: [__m512; 3],
     /// The triangles that the rays start and end on.
     ends: [__m512i; 2],
-    /// Slack of all distances: as of triangles that reach through the whole tree. Twice of it is between two that are apart for sure.
+    /// Slack of all distances: as of triangles that reach through the whole tree. Twice of it is
+    /// between two that are apart for sure.
     slack: __m512,
     twice: __m512,
     best: Best,
     /// Twice the slack behind the best.
     limit: __m512,
-    /// Rays of which another hit is as near as the best, or one is as near as the end, where any will do,
+    /// Rays of which another hit is as near as the best, or one is as near as the end, where any
+    /// will do,
     as_near: __mmask16,
     /// or of which a triangle is where they start.
     at_start: __mmask16,

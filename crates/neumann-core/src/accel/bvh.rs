@@ -76,7 +76,8 @@ pub(crate) enum Sight {
     Unsure,
 }
 
-/// What a ray has met first as a kernel hands it back: in two registers. By way of memory, the first read of it would have to wait
+/// What a ray has met first as a kernel hands it back: in two registers. By way of memory, the
+/// first read of it would have to wait
 /// for the pieces that were written. Distances have no sign; it says whether the hit is not sure.
 #[derive(Clone, Copy)]
 pub(super) struct PackedHit(u64, u64);
@@ -260,7 +261,8 @@ impl Bvh {
         self.meet(ray).hit
     }
 
-    /// True if anything is in the way of the ray before its end, as far as single precision can tell.
+    /// True if anything is in the way of the ray before its end, as far as single precision can
+    /// tell.
     #[must_use]
     pub fn is_occluded(&self, ray: &Ray) -> bool {
         match self.look(ray) {
@@ -301,7 +303,8 @@ impl Bvh {
         hit.into()
     }
 
-    /// Hands everything that the ray meets before its end to `found`, in no order, as far as single precision can tell.
+    /// Hands everything that the ray meets before its end to `found`, in no order, as far as single
+    /// precision can tell.
     pub fn each_hit(&self, ray: &Ray, found: &mut dyn FnMut(Hit)) {
         self.crossings(ray, &mut |crossing| {
             if crossing.hit.t > 0.0 && crossing.hit.t < ray.t_max() {
@@ -344,7 +347,8 @@ impl Bvh {
         }
     }
 
-    /// Hands everything that the ray meets, or may meet, to `visit`, in any order: each triangle once. `visit` says beyond which
+    /// Hands everything that the ray meets, or may meet, to `visit`, in any order: each triangle
+    /// once. `visit` says beyond which
     /// distance nothing is wanted any more.
     pub(crate) fn crossings(&self, ray: &Ray, visit: &mut dyn FnMut(&Crossing) -> f32) {
         let instances = self.instances.as_deref();

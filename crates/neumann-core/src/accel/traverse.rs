@@ -9,10 +9,14 @@
 //! Of two triangles at the same distance the one with the lower index is hit: the answer does
 //! not depend on the shape of the tree.
 //!
-//! Single precision cannot tell everything. So every hit has a *slack*, by which its distance may be wrong: a share of the
-//! triangle's depth, seen from the origin, and of the origin's coordinates. Where a hit may lie before the start, behind the end
-//! or on the other side of another hit, the answer says that it is not sure, and double precision decides
-//! (`transport::crossings`). The triangle that a ray starts on, and the one that it ends on, are not met.
+//! Single precision cannot tell everything. So every hit has a *slack*, by which its distance may
+//! be wrong: a share of the
+//! triangle's depth, seen from the origin, and of the origin's coordinates. Where a hit may lie
+//! before the start, behind the end
+//! or on the other side of another hit, the answer says that it is not sure, and double precision
+//! decides
+//! (`transport::crossings`). The triangle that a ray starts on, and the one that it ends on, are
+//! not met.
 
 use std::marker::PhantomData;
 use std::mem::MaybeUninit;
@@ -31,10 +35,12 @@ use crate::math::lanes::lanes_of;
 /// right behind may be as near, and count.
 pub(super) const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;
 
-/// Slack of a distance, relative to how far away the corners of the triangle are along the axis that the ray runs along most: what
+/// Slack of a distance, relative to how far away the corners of the triangle are along the axis
+/// that the ray runs along most: what
 /// the test rounds, with room for triangles fifty times as long as they are wide, or seen as small.
 pub(super) const DEPTH_SLACK: f32 = 1.0 / 16_384.0;
-/// Slack relative to the coordinates of the origin: what an origin on a surface may be off it, and surfaces in one plane off each
+/// Slack relative to the coordinates of the origin: what an origin on a surface may be off it, and
+/// surfaces in one plane off each
 /// other.
 const ORIGIN_SLACK: f32 = 1.0 / 1_048_576.0;
 
@@ -88,7 +94,8 @@ impl LaneHits {
 pub(super) trait Kernel {
     /// The children whose boxes the ray meets before `t_max`.
     fn meet_boxes(node: &Node, ray: &Prepared, t_max: f32) -> BoxHits;
-    /// Hits that may be behind the origin and before `t_max`, slack taken into account, but for those of the triangles that the ray starts
+    /// Hits that may be behind the origin and before `t_max`, slack taken into account, but for
+    /// those of the triangles that the ray starts
     /// and ends on.
     fn meet_triangles(leaf: &Leaf, ray: &Prepared, t_max: f32) -> LaneHits;
     /// Asks for the memory of a node or leaf that will be visited, if the tree is far.
@@ -219,7 +226,8 @@ fn walk_below_root_until<K: Kernel>(
     }
 }
 
-/// The first triangles that rays meet, or what stands for none; lanes without a ray are left alone. One bit is set for each lane
+/// The first triangles that rays meet, or what stands for none; lanes without a ray are left alone.
+/// One bit is set for each lane
 /// that is not sure.
 #[inline(always)]
 pub(super) fn closest_of_lanes<K: Kernel>(
@@ -589,7 +597,8 @@ impl Prepared {
     }
 }
 
-/// [`Prepared::slack`] from the largest coordinate of the origin and the inverse of the direction along the last axis.
+/// [`Prepared::slack`] from the largest coordinate of the origin and the inverse of the direction
+/// along the last axis.
 #[inline(always)]
 pub(super) fn slack_of_origin(reach: f32, scale: f32) -> f32 {
     reach * ORIGIN_SLACK * scale.abs()

@@ -61,7 +61,8 @@ pub(super) const EMPTY_NODE: Node = Node {
         [f32::INFINITY; WIDTH],
         [f32::NEG_INFINITY; WIDTH],
     ],
-    // A ray with numbers that are not finite may come here all the same: it finds a leaf, and never the root again.
+    // A ray with numbers that are not finite may come here all the same: it finds a leaf, and never
+    // the root again.
     children: [LEAF; WIDTH],
 };
 

@@ -8,7 +8,8 @@
 //!
 //! What the table holds is by how much A and B differ from those of a smooth interface, `1 - w` and
 //! `w` with Schlick's weight w, which vary most. Near grazing, albedo changes within cosines of
-//! about alpha; so columns are even in `cos (1 + 2 alpha) / (cos + 2 alpha)`, and rows in roughness,
+//! about alpha; so columns are even in `cos (1 + 2 alpha) / (cos + 2 alpha)`, and rows in
+//! roughness,
 //! the square root of alpha. Linear interpolation is then right to 0.0005 of the light.
 //!
 //! Integrating it all takes as long as many a first frame, so the table of directions is a file,
@@ -172,7 +173,8 @@ mod tests {
     /// Steps of the azimuth, over half of the circle, and of the height of the cap.
     const STEPS: [usize; 2] = [64, 256];
 
-    /// A and B for one direction, in double precision: visible normals, each of which weighs G2 / G1, on a grid that is
+    /// A and B for one direction, in double precision: visible normals, each of which weighs G2 /
+    /// G1, on a grid that is
     /// denser towards both ends of the cap.
     fn split_albedo(alpha: f64, cos: f64) -> [f64; 2] {
         let sin = (1.0 - cos * cos).max(0.0).sqrt();

@@ -424,7 +424,8 @@ mod tests {
     use crate::memory::Share;
     use crate::radiometry::Rgb;
 
-    /// A file whose data window is 4 by 2 at `at`; channel k holds 10 k and the number of the pixel.
+    /// A file whose data window is 4 by 2 at `at`; channel k holds 10 k and the number of the
+    /// pixel.
     fn file(at: (i32, i32), display: IntegerBounds, channels: &[&str], is_half: bool) -> Vec<u8> {
         let list = channels.iter().enumerate().map(|(k, name)| {
             let values = (0..8).map(|i| (10 * k + i) as f32);

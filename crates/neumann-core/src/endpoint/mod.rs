@@ -47,7 +47,8 @@ impl SurfacePoint {
         Ray::new(self.position, direction).leaving(self.triangle)
     }
 
-    /// The ray from here to another point of a surface. It measures in their distance, so that it waits for no root and no
+    /// The ray from here to another point of a surface. It measures in their distance, so that it
+    /// waits for no root and no
     /// division.
     #[inline(always)]
     #[must_use]
@@ -124,7 +125,8 @@ pub struct Start {
     pub light: usize,
     /// Triangle and barycentric coordinates of the position, if it is on a surface.
     pub on_triangle: Option<(u32, [f32; 2])>,
-    /// How much of the surface is there: the probability that a ray that comes to the position meets it. It is in `value`.
+    /// How much of the surface is there: the probability that a ray that comes to the position
+    /// meets it. It is in `value`.
     pub opacity: f32,
     /// True where all rays start at one position.
     pub is_delta_position: bool,
@@ -190,6 +192,7 @@ pub struct Aim {
     pub spread: Spread,
     /// Probability of choosing this endpoint to start a ray, over that of choosing it to aim at from x.
     pub start_over_aim: f32,
-    /// How much of the surface that is aimed at is there: the probability that a ray that comes to the point meets it. It is in `value`.
+    /// How much of the surface that is aimed at is there: the probability that a ray that comes to
+    /// the point meets it. It is in `value`.
     pub opacity: f32,
 }

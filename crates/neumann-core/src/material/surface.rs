@@ -50,7 +50,8 @@ impl Coverage {
         self.mode == other.mode && self.alpha == other.alpha
     }
 
-    /// Probability that a ray meets the surface where its texture and its vertices have so much alpha, in [0, 1].
+    /// Probability that a ray meets the surface where its texture and its vertices have so much
+    /// alpha, in [0, 1].
     #[inline]
     #[must_use]
     pub fn opacity(&self, texture: f32, vertices: f32) -> f32 {

@@ -153,8 +153,10 @@ impl Texture {
         top.lerp(bottom, s.y)
     }
 
-    /// Where the mesh's texture coordinates are among the cells of the texture, in columns and rows. The texture is read from
-    /// the same texels all over a cell: from one where the nearest counts, else from the four that its corners are the
+    /// Where the mesh's texture coordinates are among the cells of the texture, in columns and
+    /// rows. The texture is read from
+    /// the same texels all over a cell: from one where the nearest counts, else from the four that
+    /// its corners are the
     /// middles of, cell (0, 0) having texel (0, 0) for its first.
     #[inline]
     #[must_use]
@@ -198,7 +200,8 @@ impl Texture {
         self.texels.are_those_of(&other.texels)
     }
 
-    /// True if it reads the same image as another one, and goes on beyond it and is read between texels likewise.
+    /// True if it reads the same image as another one, and goes on beyond it and is read between
+    /// texels likewise.
     #[must_use]
     pub fn has_cells_of(&self, other: &Self) -> bool {
         self.texels.are_those_of(&other.texels)

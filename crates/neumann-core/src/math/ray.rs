@@ -1,6 +1,7 @@
 //! Rays: lines that know where they start and end.
 //!
-//! A ray that starts on a triangle starts at the very point, and is told which triangle that is: it is not met again, and
+//! A ray that starts on a triangle starts at the very point, and is told which triangle that is: it
+//! is not met again, and
 //! nothing is moved to get away from it. So is a ray that ends on one.
 
 use glam::{Vec3, Vec4};
@@ -10,7 +11,8 @@ pub const NO_TRIANGLE: u32 = u32::MAX;
 
 /// A half-line or segment in world space.
 ///
-/// Place and direction are kept as two whole vectors, as the traversal reads them: written to memory in pieces of other
+/// Place and direction are kept as two whole vectors, as the traversal reads them: written to
+/// memory in pieces of other
 /// sizes, they could not be read until they are in the cache.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {

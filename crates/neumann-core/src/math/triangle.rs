@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-/// The point of a triangle with the given barycentric coordinates of the second and third corner: right to the rounding of its
+/// The point of a triangle with the given barycentric coordinates of the second and third corner:
+/// right to the rounding of its
 /// own coordinates, however far away the corners are.
 #[inline(always)]
 #[must_use]

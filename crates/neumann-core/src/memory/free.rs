@@ -53,7 +53,8 @@ fn free_in_groups(root: &Path, membership: &str) -> Option<u64> {
         } else {
             continue;
         };
-        // The path may be that of the host, which a container does not see: then the top is its own.
+        // The path may be that of the host, which a container does not see: then the top is its
+        // own.
         let group = top.join(path.trim_start_matches('/'));
         for folder in group.ancestors().take_while(|f| f.starts_with(&top)) {
             let number = |name: &str| {

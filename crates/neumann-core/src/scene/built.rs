@@ -41,7 +41,8 @@ pub struct Scene {
     maps: TexelMaps,
 }
 
-/// A mesh that scatters alike everywhere, diffusely, and does nothing else: it has neither vertex colours nor a
+/// A mesh that scatters alike everywhere, diffusely, and does nothing else: it has neither vertex
+/// colours nor a
 /// volume, and emits nothing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlainReflector {

@@ -349,7 +349,8 @@ pub struct Lens {
     pub focus_distance: f32,
 }
 
-/// Lengths that a camera can have, metres: from those of atoms to those of planetary systems. Rays of others would not be finite.
+/// Lengths that a camera can have, metres: from those of atoms to those of planetary systems. Rays
+/// of others would not be finite.
 pub const CAMERA_LENGTHS: std::ops::RangeInclusive<f32> = 1e-12..=1e12;
 
 impl Lens {

@@ -83,7 +83,8 @@ impl Facet {
         point_between(&self.corners, b)
     }
 
-    /// Where a ray meets it, as exactly as single precision can say, however large the facet is. Barycentric
+    /// Where a ray meets it, as exactly as single precision can say, however large the facet is.
+    /// Barycentric
     /// coordinates decide where the ray runs along the facet, as far as can be told.
     #[inline(always)]
     pub(crate) fn met_by(&self, origin: Vec3, direction: Vec3, hit: &Hit) -> MetAt {

@@ -1,7 +1,8 @@
 //! Shading normals that differ from the geometric one.
 //!
 //! A BSDF about the shading normal `ns` may send light below the surface, and a surface may be seen
-//! from where its shading normal faces away. Were that refused, such places would be black. So, with
+//! from where its shading normal faces away. Were that refused, such places would be black. So,
+//! with
 //! `ng` the geometric normal, on the same side as `ns`,
 //!
 //! - a surface seen from below the shading horizon looks as from as far above it: `x(c)` is the
@@ -10,10 +11,14 @@
 //!   transmitted light that would come from above it likewise: what arrives along l arrives along
 //!   those of l and its mirror image for which `ns` agrees with `ng` about the side of l, `V(l)`.
 //!
-//! So `f cos(c, l) = Σ over v in V(l) of f(x(c), v) |v·ns|`. It is continuous, scatters as much as the
-//! BSDF does about a normal of its own, and is the same for every method: c is the direction towards
-//! the camera and l towards the light, whichever the walk comes from. For importance, it is divided by
-//! `|l·ng|` and multiplied by `|c·ng|` ([Veach 1997] 5.3). Both maps keep solid angles, so that delta
+//! So `f cos(c, l) = Σ over v in V(l) of f(x(c), v) |v·ns|`. It is continuous, scatters as much as
+//! the
+//! BSDF does about a normal of its own, and is the same for every method: c is the direction
+//! towards
+//! the camera and l towards the light, whichever the walk comes from. For importance, it is divided
+//! by
+//! `|l·ng|` and multiplied by `|c·ng|` ([Veach 1997] 5.3). Both maps keep solid angles, so that
+//! delta
 //! lobes need no more than that.
 
 use glam::Vec3;
@@ -24,7 +29,8 @@ use crate::math::Frame;
 use crate::radiometry::Rgb;
 use crate::sampling::discrete::one_of_two;
 
-/// The two normals at a point. Directions are in the shading frame, but for those of the methods that
+/// The two normals at a point. Directions are in the shading frame, but for those of the methods
+/// that
 /// the vertex calls.
 pub(super) struct Bent {
     frame: Frame,
@@ -221,7 +227,8 @@ impl Bent {
         w - self.ng * (2.0 * self.ng.dot(w))
     }
 
-    /// True if a direction is on the side of the surface that a cosine with the shading normal says.
+    /// True if a direction is on the side of the surface that a cosine with the shading normal
+    /// says.
     #[inline]
     fn is_on_its_side(&self, w: Vec3, cos: f32) -> bool {
         self.ng.dot(w) * cos > 0.0

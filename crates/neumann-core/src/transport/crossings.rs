@@ -1,7 +1,9 @@
 //! What a ray meets where single precision cannot tell.
 //!
-//! The kernels of [`crate::accel`] know by how much a distance may be wrong. Where that matters, as it does for surfaces that
-//! touch each other or nearly so, and near the ends of a ray, all that the ray meets is looked at once more in double precision:
+//! The kernels of [`crate::accel`] know by how much a distance may be wrong. Where that matters, as
+//! it does for surfaces that
+//! touch each other or nearly so, and near the ends of a ray, all that the ray meets is looked at
+//! once more in double precision:
 //!
 //! - A surface *touches* a point if it is as near as coordinates of that size are rounded.
 //! - Of surfaces that lie in one plane and overlap, **the one that comes first in the scene lies outermost on its front side**, as if
@@ -20,7 +22,8 @@ use crate::math::ray::NO_TRIANGLE;
 use crate::scene::Scene;
 use crate::scene::geometry::Geometry;
 
-/// A point touches a surface if that is no farther away than this share of its largest coordinate: four times what it is rounded by.
+/// A point touches a surface if that is no farther away than this share of its largest coordinate:
+/// four times what it is rounded by.
 const TOUCH: f64 = 1.0 / 2_097_152.0;
 
 /// A triangle in double precision.
@@ -88,7 +91,8 @@ pub(super) fn transmittance(scene: &Scene, ray: &Ray, through: impl Fn(&Hit) -> 
     share
 }
 
-/// What the ray meets of that which stops it, in order; as far as the first one only, if `ends` there.
+/// What the ray meets of that which stops it, in order; as far as the first one only, if `ends`
+/// there.
 fn met(scene: &Scene, ray: &Ray, ends: bool, mut stops: impl FnMut(&Hit) -> bool) -> Vec<Crossing> {
     let line = Line::new(scene.geometry(), ray);
     let mut met = Vec::new();
@@ -180,7 +184,8 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// True if the second of two crossings comes before the first, since their triangles lie in one plane.
+    /// True if the second of two crossings comes before the first, since their triangles lie in one
+    /// plane.
     fn swaps(&self, first: &Crossing, second: &Crossing) -> bool {
         let (a, b) = (&first.triangle, &second.triangle);
         let point = self.at(first.t);
@@ -206,7 +211,8 @@ impl Triangle {
         self.normal.dot(point - self.corners[0])
     }
 
-    /// True if a point, which is rounded as another one is or as its own coordinates are, may lie in its plane.
+    /// True if a point, which is rounded as another one is or as its own coordinates are, may lie
+    /// in its plane.
     fn touches(&self, point: DVec3, rounded_as: DVec3) -> bool {
         let rounding = rounding_of(point).max(rounding_of(rounded_as));
         self.height(point).abs() <= rounding
@@ -222,7 +228,8 @@ impl Triangle {
         (self.lies_in(other) || other.lies_in(self)) && self.overlaps(other)
     }
 
-    /// True if a ray that leaves this triangle at a point comes to another one that touches the point.
+    /// True if a ray that leaves this triangle at a point comes to another one that touches the
+    /// point.
     fn is_before(&self, other: &Self, point: DVec3, direction: DVec3) -> bool {
         if self.lies_in(other) || other.lies_in(self) {
             return self.overlaps(other) && self.rank(direction) < other.rank(direction);
@@ -233,7 +240,8 @@ impl Triangle {
         other.corners.iter().any(reaches) && towards <= 0.0
     }
 
-    /// Its place among triangles in one plane, for a ray: those that it meets from the front, the first in the scene first, then those
+    /// Its place among triangles in one plane, for a ray: those that it meets from the front, the
+    /// first in the scene first, then those
     /// that it meets from behind, the first last.
     fn rank(&self, direction: DVec3) -> i64 {
         let index = i64::from(self.index);
@@ -244,7 +252,8 @@ impl Triangle {
         }
     }
 
-    /// True if it overlaps another triangle of the same plane, by more than rounding: no edge of either keeps them apart.
+    /// True if it overlaps another triangle of the same plane, by more than rounding: no edge of
+    /// either keeps them apart.
     fn overlaps(&self, other: &Self) -> bool {
         let axis = self.normal.abs();
         let flat = |p: DVec3| {

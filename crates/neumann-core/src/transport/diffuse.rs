@@ -256,7 +256,8 @@ impl DiffuseSamples {
         (&self.direction, &self.pdf_w)
     }
 
-    /// Puts a direction that was drawn elsewhere in the place of the lane's, if `is_set`, with what the surface makes of it.
+    /// Puts a direction that was drawn elsewhere in the place of the lane's, if `is_set`, with what
+    /// the surface makes of it.
     #[inline(always)]
     pub(crate) fn replace(
         &mut self,
@@ -310,7 +311,8 @@ vectorized! {
 }
 
 vectorized! {
-    /// How far away the rays meet the planes of the facets. By itself, since vectors of double precision are made of it.
+    /// How far away the rays meet the planes of the facets. By itself, since vectors of double
+    /// precision are made of it.
     fn measure(v: &DiffuseVertices<'_>, rays: &RayLanes, distances: &mut [f64; LANES]) {
         for (lane, distance) in distances.iter_mut().enumerate() {
             let facet = v.facet(lane);

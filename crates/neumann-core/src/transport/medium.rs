@@ -80,7 +80,8 @@ impl Stop {
 /// Walls that are turned against each other by more than this do not coincide: cosine.
 const SAME_PLANE: f32 = 0.999;
 
-/// Walls are in one place if they are no farther from each other than this share of the largest coordinate: what rounding puts
+/// Walls are in one place if they are no farther from each other than this share of the largest
+/// coordinate: what rounding puts
 /// between them, with room to spare.
 const SAME_PLACE: f32 = 32.0 * f32::EPSILON;
 

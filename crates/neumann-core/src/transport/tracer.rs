@@ -89,7 +89,8 @@ impl<'a> Tracer<'a> {
         Some(hit)
     }
 
-    /// All surfaces that the ray meets before its end, in order, be they transparent or not. No limit is set to their number, and those
+    /// All surfaces that the ray meets before its end, in order, be they transparent or not. No
+    /// limit is set to their number, and those
     /// that touch each other all count.
     pub fn crossings(&mut self, ray: &Ray) -> Vec<Hit> {
         self.n_rays += 1;
@@ -167,7 +168,8 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Radiance that a vertex emits towards its `wo`, not counting unlit surfaces, whether or not a light was made of it.
+    /// Radiance that a vertex emits towards its `wo`, not counting unlit surfaces, whether or not a
+    /// light was made of it.
     #[inline]
     #[must_use]
     pub fn emitted(&self, vertex: &SurfaceVertex<'_>) -> Rgb {
@@ -218,7 +220,8 @@ impl<'a> Tracer<'a> {
         self.vertex_on(&facet, triangle, barycentrics, &met, wo)
     }
 
-    /// The same at a point of which the place is known as well, between media whose indices of refraction have these numbers
+    /// The same at a point of which the place is known as well, between media whose indices of
+    /// refraction have these numbers
     /// ([`SurfaceVertex::indices`]).
     #[inline]
     pub(crate) fn surface_at_point(
@@ -323,7 +326,8 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The first surface that stops the ray, where that takes more than to ask for the first one. Whether a surface stops it
+    /// The first surface that stops the ray, where that takes more than to ask for the first one.
+    /// Whether a surface stops it
     /// depends on no other one, so that all are passed on one way through the tree.
     #[cold]
     #[inline(never)]
@@ -334,7 +338,8 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// Share of light that gets along the ray through all surfaces: a product, in whatever order they come.
+    /// Share of light that gets along the ray through all surfaces: a product, in whatever order
+    /// they come.
     #[inline(never)]
     fn transmittance_of_all(&self, ray: &Ray) -> f32 {
         crossings::transmittance(self.scene, ray, |hit| 1.0 - self.opacity(hit))
@@ -363,7 +368,8 @@ pub(super) fn shadow_ray(from: &SurfacePoint, aim: &Aim) -> Ray {
     }
 }
 
-/// True if the ends of a ray are so far from each other that something may be in between. Others see each other.
+/// True if the ends of a ray are so far from each other that something may be in between. Others
+/// see each other.
 #[inline(always)]
 pub(crate) fn is_segment(ray: &Ray) -> bool {
     ray.direction().length_squared() > 0.0

@@ -179,7 +179,8 @@ impl SurfaceVertex<'_> {
         }
     }
 
-    /// Density, 1/sr, with which a walk the other way would have drawn `wo` where this one has drawn `sample`; for a
+    /// Density, 1/sr, with which a walk the other way would have drawn `wo` where this one has
+    /// drawn `sample`; for a
     /// delta lobe, the probability.
     #[inline(always)]
     #[must_use]
@@ -246,7 +247,8 @@ impl SurfaceVertex<'_> {
         Direction::new(wi, self.frame.local_from_world(wi))
     }
 
-    /// True if a direction stands for no other than itself, whichever way light goes, so that [`Bent`]
+    /// True if a direction stands for no other than itself, whichever way light goes, so that
+    /// [`Bent`]
     /// is not asked: nearly every one where the two normals are close, and where they are one, all.
     #[inline(always)]
     fn is_plain(&self, w: Direction) -> bool {
@@ -260,7 +262,8 @@ impl SurfaceVertex<'_> {
         Bent::new(self.frame, self.point.ng)
     }
 
-    /// What a diffuse surface receives of light from a direction that makes the given cosines with the
+    /// What a diffuse surface receives of light from a direction that makes the given cosines with
+    /// the
     /// shading and the geometric normal: see [`Bent`], of which this is the whole for it.
     #[inline(always)]
     fn lit(&self, cos_s: f32, cos_g: f32) -> f32 {
@@ -270,7 +273,8 @@ impl SurfaceVertex<'_> {
         cos_s.max(0.0) + mirrored.max(0.0)
     }
 
-    /// Diffuse reflection: any direction on the same side sees the same of what the surface receives.
+    /// Diffuse reflection: any direction on the same side sees the same of what the surface
+    /// receives.
     #[inline(always)]
     fn diffuse(
         &self,
@@ -297,7 +301,8 @@ impl SurfaceVertex<'_> {
         Some((f * factor, warp::cosine_hemisphere_pdf_w(cos)))
     }
 
-    /// Radiance is received about the shading normal, importance is sent out about the geometric one.
+    /// Radiance is received about the shading normal, importance is sent out about the geometric
+    /// one.
     #[inline(always)]
     fn sample_diffuse(
         &self,

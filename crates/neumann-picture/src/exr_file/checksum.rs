@@ -1,7 +1,8 @@
 //! Whether a checkpoint is what was written: a hash of every channel, and one of the header.
 //!
 //! `neumann.checksums` lists the channels as `T0.R=0123456789abcdef`; its entry `header` is of all
-//! other attributes `neumann.…`. Hashes are FNV-1a of 64 bits, word by word: one changed word always
+//! other attributes `neumann.…`. Hashes are FNV-1a of 64 bits, word by word: one changed word
+//! always
 //! changes them. They find what disks and networks do to a file, not forgery. Files without the
 //! attribute, which earlier versions wrote, are taken as they are.
 

@@ -11,7 +11,8 @@
 //!
 //! Floats of 32 bits (16 on request), ZIP compression over 16 rows, no loss. The
 //! header says how the picture was made ([`Metadata`]), so such a file is also the
-//! checkpoint of its render, with a checksum for every channel (`checksum`). Files of other programs are read for their `R G B`
+//! checkpoint of its render, with a checksum for every channel (`checksum`). Files of other
+//! programs are read for their `R G B`
 //! (or `Y`) and their layers.
 
 mod checksum;

@@ -401,7 +401,8 @@ fn distance(ray: &Ray, triangle: &[Vec3; 3]) -> f64 {
     normal.dot(a - origin) / normal.dot(ray.direction().as_dvec3())
 }
 
-/// A small thing on a floor of kilometres, where single precision is off by more than the thing is wide: whatever a kernel is
+/// A small thing on a floor of kilometres, where single precision is off by more than the thing is
+/// wide: whatever a kernel is
 /// sure of must be so.
 #[test]
 fn what_is_sure_is_right_in_double_precision() {

@@ -127,7 +127,8 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// What it sends from barycentric coordinates (of the second and third corner) towards `wo`, unit, world: its radiance, as much of
+    /// What it sends from barycentric coordinates (of the second and third corner) towards `wo`,
+    /// unit, world: its radiance, as much of
     /// it as there is.
     #[inline]
     #[must_use]

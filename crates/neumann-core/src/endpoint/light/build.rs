@@ -31,7 +31,8 @@ struct BinaryNode {
     kind: Binary,
 }
 
-/// A tree over those of the lights that have bounds: `bounds[light]`, and the bounds of all, if there are any. Intensities are multiplied
+/// A tree over those of the lights that have bounds: `bounds[light]`, and the bounds of all, if
+/// there are any. Intensities are multiplied
 /// by `scale`.
 pub(super) fn build(
     bounds: &[Option<LightBounds>],

@@ -1,7 +1,10 @@
-//! A triangle over the cells of a texture: how much each row of cells weighs within it, and points drawn by weight.
+//! A triangle over the cells of a texture: how much each row of cells weighs within it, and points
+//! drawn by weight.
 //!
-//! The weights of a row are summed cell by cell where an edge of the triangle cuts cells, and at once where it covers them
-//! whole. Points are then drawn row by row and cell by cell, uniformly within what the triangle has of a cell. Their
+//! The weights of a row are summed cell by cell where an edge of the triangle cuts cells, and at
+//! once where it covers them
+//! whole. Points are then drawn row by row and cell by cell, uniformly within what the triangle has
+//! of a cell. Their
 //! density is the weight of the cell over the sum, whichever way they were drawn.
 
 use glam::DVec2;
@@ -63,7 +66,8 @@ impl CellTriangle {
         self.span(y).map_or(0.0, |span| span.weight(&map.row(y)))
     }
 
-    /// A point of a row, drawn by weight, by two numbers in [0, 1); `None` where nothing has weight.
+    /// A point of a row, drawn by weight, by two numbers in [0, 1); `None` where nothing has
+    /// weight.
     pub(super) fn point_in_row(&self, map: &TexelMap, y: i64, u: [f64; 2]) -> Option<DVec2> {
         let span = self.span(y)?;
         let row = map.row(y);
@@ -71,7 +75,8 @@ impl CellTriangle {
         let [start, end] = span.inner;
         let whole = row.between(start, end) as f64;
         let mut last = None;
-        // Cells that are cut on the left, those that are whole, and cells that are cut on the right.
+        // Cells that are cut on the left, those that are whole, and cells that are cut on the
+        // right.
         for x in span.outer[0]..start {
             let part = span.part(&row, x);
             if part > 0.0 {
@@ -140,7 +145,8 @@ impl CellTriangle {
             return None;
         }
         let outer = [min.floor() as i64, max.ceil() as i64];
-        // A cell is whole where its four corners are inside of each edge: `across · corner + offset >= 0`.
+        // A cell is whole where its four corners are inside of each edge: `across · corner + offset
+        // >= 0`.
         let (mut low, mut high) = (outer[0] as f64, outer[1] as f64);
         for i in 0..3 {
             let (from, to) = (self.corners[i], self.corners[(i + 1) % 3]);

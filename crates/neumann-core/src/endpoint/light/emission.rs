@@ -1,10 +1,14 @@
 //! What an emissive triangle emits, and where on it points are drawn.
 //!
-//! A surface that is there in part emits through that part: a camera meets it with its opacity and then sees all of its
-//! radiance, so whoever aims at it or starts from it, and meets it always, takes radiance times opacity.
+//! A surface that is there in part emits through that part: a camera meets it with its opacity and
+//! then sees all of its
+//! radiance, so whoever aims at it or starts from it, and meets it always, takes radiance times
+//! opacity.
 //!
-//! Where a texture makes a difference, points are drawn by its texels ([`TexelMap`]): the emission texture, or, without
-//! one, that of the base colour, of which alpha counts. The density is the weight of the cell over the sum of weights over the triangle.
+//! Where a texture makes a difference, points are drawn by its texels ([`TexelMap`]): the emission
+//! texture, or, without
+//! one, that of the base colour, of which alpha counts. The density is the weight of the cell over
+//! the sum of weights over the triangle.
 
 use std::sync::Arc;
 
@@ -35,7 +39,8 @@ pub struct EmissiveMaterial {
     pub texture: Option<Texture>,
     /// How much of the surface is there; `None` for all.
     pub coverage: Option<Coverage>,
-    /// What points are drawn by: the map of the emission texture, or, without one, of the alpha texture.
+    /// What points are drawn by: the map of the emission texture, or, without one, of the alpha
+    /// texture.
     pub map: Option<Arc<TexelMap>>,
 }
 
@@ -55,7 +60,8 @@ pub struct EmissiveCorners {
 pub struct VaryingEmission {
     material: EmissiveMaterial,
     patches: Vec<Patch>,
-    /// Of the triangles that are drawn row by row, one after the other: shares of the rows up to each.
+    /// Of the triangles that are drawn row by row, one after the other: shares of the rows up to
+    /// each.
     row_shares: Vec<f32>,
 }
 
@@ -83,13 +89,15 @@ enum Draw {
         /// Weight of the triangle.
         weight: f32,
     },
-    /// By weight within a period of the texture, which is chosen by how much the triangle has of it. What falls beside the triangle is lost.
+    /// By weight within a period of the texture, which is chosen by how much the triangle has of
+    /// it. What falls beside the triangle is lost.
     Periods,
 }
 
 /// Cells that a triangle may be long and high, together, to be drawn row by row.
 pub const MAX_EXTENT: f64 = (1u32 << 17) as f64;
-/// Cells that all triangles of a scene may be long and high, together: so many for each, and so many more for all.
+/// Cells that all triangles of a scene may be long and high, together: so many for each, and so
+/// many more for all.
 const EXTENT_OF_EACH: f64 = 16.0;
 const EXTENT_OF_ALL: f64 = (1u32 << 23) as f64;
 /// Beyond so many cells from the origin, single precision knows no cells any more.
@@ -114,7 +122,8 @@ impl EmissiveMaterial {
         })
     }
 
-    /// The triangle among the cells of that texture; `None` where they do not matter, or cannot be told apart.
+    /// The triangle among the cells of that texture; `None` where they do not matter, or cannot be
+    /// told apart.
     fn cells(&self, corners: &EmissiveCorners) -> Option<CellTriangle> {
         self.map.as_ref()?;
         let uvs = match self.texture {
@@ -181,7 +190,8 @@ impl EmissiveMaterial {
         let Some(cells) = self.cells(corners) else {
             return patch(Draw::Uniform, by_points());
         };
-        // What a weight says of the mean; alpha of the texture is in it, where it is that which counts.
+        // What a weight says of the mean; alpha of the texture is in it, where it is that which
+        // counts.
         let mean_of = |weight_of_cell: f64| {
             let value = (weight_of_cell / map.weight_of_one()) as f32 * radiance;
             match self.texture {
@@ -242,7 +252,8 @@ impl EmissiveMaterial {
     }
 }
 
-/// How long and high triangles may be to be drawn row by row, where all of a scene are so many, and so long and high together.
+/// How long and high triangles may be to be drawn row by row, where all of a scene are so many, and
+/// so long and high together.
 #[must_use]
 pub fn max_extent(n_triangles: usize, of_all: f64) -> f64 {
     let n = n_triangles as f64;
@@ -255,7 +266,8 @@ pub fn max_extent(n_triangles: usize, of_all: f64) -> f64 {
 }
 
 impl VaryingEmission {
-    /// The emission of triangles, with the number of each for [`Emission::Varying`], or `None` for one that is dark.
+    /// The emission of triangles, with the number of each for [`Emission::Varying`], or `None` for
+    /// one that is dark.
     #[must_use]
     pub fn new(
         material: EmissiveMaterial,
@@ -295,7 +307,8 @@ impl VaryingEmission {
         (emission, numbers)
     }
 
-    /// An estimate of the mean radiance of a triangle, mean of the channels, as it is seen through its coverage.
+    /// An estimate of the mean radiance of a triangle, mean of the channels, as it is seen through
+    /// its coverage.
     pub(super) fn mean(&self, patch: u32) -> f32 {
         self.patches[patch as usize].mean
     }

@@ -3,7 +3,8 @@
 //! Radiance is bilinear between texel centres. The density is constant over a
 //! texel in (u, v), proportional to the integral of the bilinear radiance over that
 //! texel times sin θ, so that nothing bright is ever drawn with density zero. A map of one
-//! colour is a uniform sky, whose directions need no map. A sun is a disk of even radiance on top of
+//! colour is a uniform sky, whose directions need no map. A sun is a disk of even radiance on top
+//! of
 //! the map; a direction is drawn from either in proportion to what they send.
 
 use std::f32::consts::{PI, TAU};
@@ -408,7 +409,8 @@ mod tests {
         assert!(light.uv(Vec3::Y)[1].abs() < 1e-6);
     }
 
-    /// Directions of the sun are in its disk, evenly, and come with the density that is stated for them.
+    /// Directions of the sun are in its disk, evenly, and come with the density that is stated for
+    /// them.
     #[test]
     fn a_sun_is_drawn_in_proportion_to_what_it_sends() {
         for angular_radius in [0.00465f32, 0.2, 1.5] {

@@ -1,7 +1,10 @@
-//! Emissive triangles of a mesh that stands in the world many times: kept once, in the mesh's own space.
+//! Emissive triangles of a mesh that stands in the world many times: kept once, in the mesh's own
+//! space.
 //!
-//! The tree over all lights leads to an instance, and a tree of the mesh's own, which the point is taken to, on to a
-//! triangle. What is in front of a triangle, or of the point, stays so under any affine map, so that bounds
+//! The tree over all lights leads to an instance, and a tree of the mesh's own, which the point is
+//! taken to, on to a
+//! triangle. What is in front of a triangle, or of the point, stays so under any affine map, so
+//! that bounds
 //! rule out the same lights in either space; only estimates suffer where the map stretches.
 
 use std::sync::Arc;
@@ -46,7 +49,8 @@ pub struct LightInstance {
 }
 
 impl MeshLights {
-    /// The lights of a mesh of so many triangles, which face the other way if the mesh is placed as its mirror image;
+    /// The lights of a mesh of so many triangles, which face the other way if the mesh is placed as
+    /// its mirror image;
     /// `None` if they have no power.
     #[must_use]
     pub fn new(lights: Vec<AreaLight>, n_triangles: usize, is_mirrored: bool) -> Option<Self> {
@@ -89,7 +93,8 @@ impl MeshLights {
 }
 
 impl LightInstance {
-    /// The mesh placed by a transform that can be undone, where its triangles have numbers from `first_triangle` on.
+    /// The mesh placed by a transform that can be undone, where its triangles have numbers from
+    /// `first_triangle` on.
     #[must_use]
     pub fn new(mesh: Arc<MeshLights>, world_from_mesh: Affine3A, first_triangle: u32) -> Self {
         let linear = Mat3::from(world_from_mesh.matrix3);
@@ -113,7 +118,8 @@ impl LightInstance {
         self.mesh.lights.len()
     }
 
-    /// How much larger areas are in the world: exact for a map that keeps angles, else a mean over directions.
+    /// How much larger areas are in the world: exact for a map that keeps angles, else a mean over
+    /// directions.
     fn area_scale(&self) -> f32 {
         let columns = self.normal_matrix.to_cols_array_2d();
         let squared: f32 = columns.iter().flatten().map(|x| x * x).sum();
@@ -125,7 +131,8 @@ impl LightInstance {
         self.mesh.total * f64::from(self.area_scale())
     }
 
-    /// Where its lights are and where they shine; `None` if they are too weak or strong for numbers.
+    /// Where its lights are and where they shine; `None` if they are too weak or strong for
+    /// numbers.
     pub(super) fn bounds(&self) -> Option<LightBounds> {
         let own = &self.mesh.bounds;
         let corners = (0..8).map(|i| {
@@ -191,7 +198,8 @@ impl LightInstance {
         self.mesh.power.pmf(light)
     }
 
-    /// A light of the mesh by what it may send to a point, by a number in [0, 1); `None` where none can reach it.
+    /// A light of the mesh by what it may send to a point, by a number in [0, 1); `None` where none
+    /// can reach it.
     pub(super) fn by_tree(&self, at: &Receiver, u: f32) -> Option<Chosen> {
         let at = self.receiver(at);
         let tree = &self.mesh.tree;

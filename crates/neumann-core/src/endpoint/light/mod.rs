@@ -97,7 +97,8 @@ impl Lights {
         Self::with_instances(lights, Vec::new(), n_triangles, bounds)
     }
 
-    /// The same, with the lights of meshes that are placed many times, in the order of their triangles, which come after
+    /// The same, with the lights of meshes that are placed many times, in the order of their
+    /// triangles, which come after
     /// the `n_triangles`.
     #[must_use]
     pub fn with_instances(
@@ -241,7 +242,8 @@ impl Lights {
         }
     }
 
-    /// The light that `u` in [0, 1)² falls on, to be aimed at; `None` where none can reach the point.
+    /// The light that `u` in [0, 1)² falls on, to be aimed at; `None` where none can reach the
+    /// point.
     #[inline(always)]
     #[must_use]
     pub fn choose(&self, from: &Receiver, choice: LightChoice, u: [f32; 2]) -> Option<Chosen> {

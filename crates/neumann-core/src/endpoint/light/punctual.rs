@@ -72,13 +72,15 @@ impl PointLight {
 }
 
 impl SpotLight {
-    /// Power of the cone; the soft edge, a square, sends a third of what it would at full intensity.
+    /// Power of the cone; the soft edge, a square, sends a third of what it would at full
+    /// intensity.
     pub(super) fn power(&self) -> Rgb {
         let edge = self.outer_height - self.inner_height;
         self.intensity * (2.0 * PI * (self.inner_height + edge / 3.0))
     }
 
-    /// Share of the intensity towards a unit direction: squared, linear in cosine between the cones,
+    /// Share of the intensity towards a unit direction: squared, linear in cosine between the
+    /// cones,
     /// as in `KHR_lights_punctual`, but without its limit for cones that are closer than 0.001.
     #[inline]
     fn falloff(&self, direction: Vec3, axis: Vec3) -> f32 {

@@ -1,8 +1,11 @@
 //! Where a texture shines: what points of emissive triangles are drawn by.
 //!
-//! A texture is read from the same texels all over a cell ([`Texture::place`]). A cell's weight is the sum of what those
-//! texels are worth: 0 where nothing can shine, and in proportion to the mean of the cell anywhere else. Weights are whole
-//! numbers, so that their sums are exact whatever lies beside them, and any run of cells in a row is summed at once.
+//! A texture is read from the same texels all over a cell ([`Texture::place`]). A cell's weight is
+//! the sum of what those
+//! texels are worth: 0 where nothing can shine, and in proportion to the mean of the cell anywhere
+//! else. Weights are whole
+//! numbers, so that their sums are exact whatever lies beside them, and any run of cells in a row
+//! is summed at once.
 
 use glam::Vec4;
 use rayon::prelude::*;
@@ -21,7 +24,8 @@ pub struct TexelMap {
     /// Weight of a cell whose texels are all worth 1.
     weight_of_one: f64,
     is_dark: bool,
-    /// `before[row]`: the weights of all rows before, in one period, and one more at the end; empty where the texture is not
+    /// `before[row]`: the weights of all rows before, in one period, and one more at the end; empty
+    /// where the texture is not
     /// periodic.
     before: Vec<f64>,
     /// What the sums take of the process's allowance.
@@ -48,7 +52,8 @@ pub(super) struct Row<'a> {
 const MAX_WEIGHT: u32 = 1 << 22;
 
 impl TexelMap {
-    /// The map of a texture whose texels are worth `value`, from 0 to 1; `None` if there is no memory for it.
+    /// The map of a texture whose texels are worth `value`, from 0 to 1; `None` if there is no
+    /// memory for it.
     #[must_use]
     pub fn new(texture: &Texture, value: impl Fn(Vec4) -> f32 + Sync) -> Option<Self> {
         let [n_columns, n_rows] = texture.size();
@@ -158,7 +163,8 @@ impl TexelMap {
         self.before.last().copied().unwrap_or(0.0)
     }
 
-    /// The row of a period that `u` in [0, 1) falls on, in proportion to its weight, and where in it, in [0, 1).
+    /// The row of a period that `u` in [0, 1) falls on, in proportion to its weight, and where in
+    /// it, in [0, 1).
     pub(super) fn row_of_period(&self, u: f32) -> (i64, f64) {
         let target = f64::from(u) * self.of_period();
         let y = self.before.partition_point(|before| *before <= target);
@@ -180,7 +186,8 @@ impl Row<'_> {
         self.before(end) - self.before(start)
     }
 
-    /// The first cell from `start` on, before `end`, with which the weights add to more than `target`.
+    /// The first cell from `start` on, before `end`, with which the weights add to more than
+    /// `target`.
     pub(super) fn find(&self, start: i64, end: i64, target: f64) -> i64 {
         let base = self.before(start);
         let (mut low, mut high) = (start, end - 1);

@@ -136,7 +136,8 @@ impl LightTree {
         self.nodes[0].importances(at)
     }
 
-    /// The light that `u` in [0, 1) falls on, with what is left of `u` for a part of it; `None` where the way ends at lights that cannot
+    /// The light that `u` in [0, 1) falls on, with what is left of `u` for a part of it; `None`
+    /// where the way ends at lights that cannot
     /// reach the receiver after all.
     #[inline]
     pub(super) fn sample(&self, at: &Receiver, root: Importances, mut u: f32) -> Option<Chosen> {

@@ -91,7 +91,8 @@ const HARMLESS: [&str; 26] = [
     "VRMC_vrm",
 ];
 
-/// Warns of every extension that is not honoured and changes the picture, whether the file lists it or not.
+/// Warns of every extension that is not honoured and changes the picture, whether the file lists it
+/// or not.
 pub(super) fn note(document: &Document, extensions: &Extensions, notes: &mut Notes) {
     let mut names: BTreeSet<&str> = document.extensions_in_use();
     names.extend(extensions.ignored.iter().map(String::as_str));

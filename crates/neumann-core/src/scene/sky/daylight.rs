@@ -216,7 +216,8 @@ mod tests {
         assert!(near > 3.0 * daylight.sky(away).luminance());
     }
 
-    /// Level ground has some 60 klx of sun on a clear day; the model's sky adds 28.9 klx, integrated elsewhere.
+    /// Level ground has some 60 klx of sun on a clear day; the model's sky adds 28.9 klx,
+    /// integrated elsewhere.
     #[test]
     fn illuminances_are_those_of_a_clear_day() {
         let daylight = Daylight::new();

@@ -95,7 +95,8 @@ pub enum SkyChoice {
 }
 
 impl SkyChoice {
-    /// What a word stands for: `none`, the name of a [`Sky`], or else the path of a map. A map of such
+    /// What a word stands for: `none`, the name of a [`Sky`], or else the path of a map. A map of
+    /// such
     /// a name is reached by `./studio`.
     #[must_use]
     pub fn from_word(word: &str) -> Self {
@@ -115,7 +116,8 @@ impl SkyChoice {
         }
     }
 
-    /// Puts it in place of the scene's sky; what is odd about a map is told with the scene's warnings.
+    /// Puts it in place of the scene's sky; what is odd about a map is told with the scene's
+    /// warnings.
     ///
     /// # Errors
     /// When the map cannot be read.

@@ -8,6 +8,7 @@ mod casters;
 mod determinism;
 mod emission;
 mod energy;
+mod error_estimate;
 mod light_choice;
 mod lights;
 mod media;

@@ -160,7 +160,7 @@ pub(crate) fn summary(rendered: &Rendered) -> String {
         duration(seconds),
         seconds * 1e3 / f64::from(n.max(1))
     );
-    if let Some(error) = rendered.film.estimated_error() {
+    if let Some(error) = rendered.estimated_error {
         text += &format!(", estimated error {:.2} %", error * 100.0);
     }
     let n_refused = rendered.film.n_refused();
@@ -185,7 +185,7 @@ pub(crate) fn report(rendered: &Rendered, outputs: &[PathBuf]) -> Value {
         "samples_per_second": rendered.samples_per_second,
         "rays_per_second": rendered.rays_per_second,
         "refused": film.n_refused(),
-        "estimated_error": film.estimated_error(),
+        "estimated_error": rendered.estimated_error,
         "peak_memory_bytes": peak_bytes(),
         "outputs": outputs,
     });

@@ -128,6 +128,8 @@ pub(crate) struct Rendered {
     pub(crate) film: Film,
     pub(crate) features: Features,
     pub(crate) metadata: Metadata,
+    /// Estimated relative error; `None` while it is unknown.
+    pub(crate) estimated_error: Option<f64>,
     /// Samples (paths of pixels) and rays per second, of this run; `None` if it rendered nothing.
     pub(crate) samples_per_second: Option<f64>,
     pub(crate) rays_per_second: Option<f64>,
@@ -142,7 +144,16 @@ pub(crate) struct Rendered {
 impl Session {
     /// Checks that there is memory enough.
     pub(crate) fn check(&self) -> Outcome {
-        memory::check(&self.settings)
+        let settings = &self.settings;
+        let shows_its_error = (settings.method.build)(&settings.values).shows_its_error();
+        if self.goal.error.is_some() && !shows_its_error {
+            return Err(bad_input(format!(
+                "--until-error: the error of '{}' with one map for all iterations cannot be \
+                 estimated; give --iterations or --time, or --set map=renewed",
+                settings.method.id
+            )));
+        }
+        memory::check(settings)
     }
 
     /// Renders from the checkpoint, if there is one, until the goal is met or the token cancelled;
@@ -187,7 +198,7 @@ impl Session {
                 error: self
                     .goal
                     .error
-                    .and_then(|_| self.pool.run(|| film.estimated_error())),
+                    .and_then(|_| renderer.estimated_error(&film)),
             };
             progress.update(standing);
             if self.goal.is_met(standing, times.expected()) {
@@ -222,6 +233,7 @@ impl Session {
         };
         progress.finish();
         metadata.n_refused = film.n_refused();
+        let estimated_error = renderer.estimated_error(&film);
         let techniques = renderer.techniques().cloned();
         // Its memory goes before more is wanted.
         drop(renderer);
@@ -231,6 +243,7 @@ impl Session {
             film,
             features,
             metadata,
+            estimated_error,
             samples_per_second: per_second(n_samples),
             rays_per_second: per_second(n_rays),
             techniques,

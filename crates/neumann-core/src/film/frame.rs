@@ -37,6 +37,8 @@ pub struct Frame {
     values: Vec<Rgb>,
     /// What of each tile is worth reading; the rest is black, whatever `values` holds.
     lit: Vec<LitLayers>,
+    /// Its number.
+    pub(crate) iteration: u32,
     /// Contributions that were not finite or negative, and so left out.
     pub(crate) n_refused: u64,
     /// Rays traced.
@@ -200,6 +202,7 @@ impl Frame {
             n_layers,
             values: zeroed_vec(n_tiles * (n_layers + 1) * TILE_PIXELS),
             lit: vec![LitLayers::default(); n_tiles],
+            iteration: 0,
             n_refused: 0,
             n_rays: 0,
             n_rays_of_tiles: vec![0; n_tiles],

@@ -6,17 +6,19 @@
 //! up to L. Everything here is linear, unclamped radiance; exposure, tone
 //! curve and false colour happen on the way to the screen.
 
+mod batch_means;
 pub mod contribution;
 pub mod features;
 mod film_of_frames;
 mod frame;
+mod means;
 pub mod techniques;
 mod tile;
 pub mod view;
 
 pub use contribution::{Contribution, Joint, Strategy};
 pub use features::Features;
-pub use film_of_frames::{Film, FilmError};
+pub use film_of_frames::{Film, FilmError, Spread};
 pub use frame::{Frame, PhotonReport};
 pub(crate) use frame::{LitLayers, Slot, TILE, TILE_PIXELS, TileBounds, TileGrid, add_to_tile};
 pub use techniques::{TechniqueFilm, TechniqueImage};

@@ -17,16 +17,32 @@ pub struct TechniqueFilm {
     n_iterations: u32,
     planes: Vec<Option<Plane>>,
     /// Weighted contributions of longer paths.
-    rest: Vec<Rgb>,
+    rest: Vec<Sum>,
 }
 
 /// Sums over all iterations.
 #[derive(Clone, Debug)]
 struct Plane {
-    raw: Vec<Rgb>,
-    weighted: Vec<Rgb>,
-    weights: Vec<f32>,
-    counts: Vec<f32>,
+    raw: Vec<Sum>,
+    weighted: Vec<Sum>,
+    weights: Vec<f64>,
+    counts: Vec<f64>,
+}
+
+/// Of colours: in double precision, in which millions of iterations add up without loss.
+type Sum = [f64; 3];
+
+const NOTHING: Sum = [0.0; 3];
+
+fn add(sum: &mut Sum, value: Rgb) {
+    for (sum, channel) in sum.iter_mut().zip(value.to_array()) {
+        *sum += f64::from(channel);
+    }
+}
+
+fn luminance_of(sums: &[Sum]) -> f64 {
+    let luminance = |sum: &Sum| f64::from(Rgb::from(sum.map(|s| s as f32)).luminance());
+    sums.iter().map(luminance).sum()
 }
 
 /// Which image of a technique.
@@ -128,7 +144,7 @@ impl TechniqueFilm {
             n_bounces,
             n_iterations: 0,
             planes: vec![None; n_bounces * n_bounces + 2 * n_bounces],
-            rest: vec![Rgb::BLACK; width * height],
+            rest: vec![NOTHING; width * height],
         }
     }
 
@@ -162,11 +178,11 @@ impl TechniqueFilm {
         self.n_iterations
     }
 
-    /// Memory of its images at most, bytes: 32 for each pixel and technique.
+    /// Memory of its images at most, bytes: 64 for each pixel and technique.
     #[must_use]
     pub fn bytes(&self) -> usize {
         let n_planes = self.planes.len();
-        (n_planes * size_of::<[f32; 8]>() + size_of::<Rgb>()) * self.rest.len()
+        (n_planes * size_of::<[f64; 8]>() + size_of::<Sum>()) * self.rest.len()
     }
 
     /// The techniques of a bounce that have made anything yet: hits, connections, then merges.
@@ -194,7 +210,7 @@ impl TechniqueFilm {
                 .weights
                 .iter()
                 .zip(&plane.counts)
-                .map(|(w, n)| Rgb::splat(if *n > 0.0 { w / n } else { 0.0 }))
+                .map(|(w, n)| Rgb::splat(if *n > 0.0 { w / n } else { 0.0 } as f32))
                 .collect(),
         }
     }
@@ -208,12 +224,12 @@ impl TechniqueFilm {
     /// Share of a technique in the energy (mean luminance) of the image.
     #[must_use]
     pub fn share(&self, strategy: Strategy) -> f64 {
-        let sum = |pixels: &[Rgb]| pixels.iter().map(|c| f64::from(c.luminance())).sum::<f64>();
         let planes = self.planes.iter().flatten();
-        let total = planes.map(|p| sum(&p.weighted)).sum::<f64>() + sum(&self.rest);
+        let total =
+            planes.map(|p| luminance_of(&p.weighted)).sum::<f64>() + luminance_of(&self.rest);
         let plane = self.planes.get(index_of(strategy)).and_then(Option::as_ref);
         match plane {
-            Some(plane) if total > 0.0 => sum(&plane.weighted) / total,
+            Some(plane) if total > 0.0 => luminance_of(&plane.weighted) / total,
             _ => 0.0,
         }
     }
@@ -222,13 +238,12 @@ impl TechniqueFilm {
     /// [`Self::share`]: all of them in the time of one.
     #[must_use]
     pub fn shares(&self) -> Vec<Vec<(Strategy, f64)>> {
-        let sum = |pixels: &[Rgb]| pixels.iter().map(|c| f64::from(c.luminance())).sum::<f64>();
-        let mut total = sum(&self.rest);
+        let mut total = luminance_of(&self.rest);
         let mut shares: Vec<Vec<(Strategy, f64)>> = Vec::new();
         for bounce in 0..self.n_bounces {
             let energies = techniques_of(bounce).filter_map(|strategy| {
                 let plane = self.planes[index_of(strategy)].as_ref()?;
-                Some((strategy, sum(&plane.weighted)))
+                Some((strategy, luminance_of(&plane.weighted)))
             });
             let energies: Vec<_> = energies.collect();
             total += energies.iter().map(|(_, energy)| energy).sum::<f64>();
@@ -243,9 +258,10 @@ impl TechniqueFilm {
     }
 
     /// Sums over iterations and pixels to means; pixels at the lower and right edge may be cut.
-    fn mean(&self, sums: &[Rgb]) -> Vec<Rgb> {
-        let n = (self.divisor * self.divisor) as f32 * self.n_iterations.max(1) as f32;
-        sums.iter().map(|sum| *sum / n).collect()
+    fn mean(&self, sums: &[Sum]) -> Vec<Rgb> {
+        let n = (self.divisor * self.divisor) as f64 * f64::from(self.n_iterations.max(1));
+        let mean = |sum: &Sum| Rgb::from(sum.map(|s| (s / n) as f32));
+        sums.iter().map(mean).collect()
     }
 
     pub(crate) fn shape(&self) -> RecordShape {
@@ -262,18 +278,18 @@ impl TechniqueFilm {
             let weighted = record.value * record.mis_weight;
             let pixel = record.pixel as usize;
             let Some(plane) = self.planes.get_mut(record.technique as usize) else {
-                self.rest[pixel] += weighted;
+                add(&mut self.rest[pixel], weighted);
                 continue;
             };
             let plane = plane.get_or_insert_with(|| Plane {
-                raw: vec![Rgb::BLACK; n],
-                weighted: vec![Rgb::BLACK; n],
+                raw: vec![NOTHING; n],
+                weighted: vec![NOTHING; n],
                 weights: vec![0.0; n],
                 counts: vec![0.0; n],
             });
-            plane.raw[pixel] += record.value;
-            plane.weighted[pixel] += weighted;
-            plane.weights[pixel] += record.mis_weight;
+            add(&mut plane.raw[pixel], record.value);
+            add(&mut plane.weighted[pixel], weighted);
+            plane.weights[pixel] += f64::from(record.mis_weight);
             plane.counts[pixel] += 1.0;
         }
     }
@@ -283,7 +299,7 @@ impl TechniqueFilm {
         Self {
             n_iterations: 0,
             planes: vec![None; self.planes.len()],
-            rest: vec![Rgb::BLACK; self.rest.len()],
+            rest: vec![NOTHING; self.rest.len()],
             ..*self
         }
     }

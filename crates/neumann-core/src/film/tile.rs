@@ -12,9 +12,12 @@ use crate::radiometry::Rgb;
 /// The tiles of a film, to be written as those of another film with one more iteration.
 pub(crate) struct NextFilm<'a> {
     pub(super) before: &'a Film,
+    /// Whether the running mean begins with this iteration.
+    pub(super) begins_anew: bool,
     /// Those that were not handed out yet.
     pub(super) values: &'a mut [Rgb],
     pub(super) lit: &'a mut [LitLayers],
+    pub(super) watched: &'a mut [Rgb],
     /// Number of the first of them.
     pub(super) next: usize,
     /// One over the number of iterations, with this one.
@@ -34,19 +37,28 @@ impl NextFilm<'_> {
     pub(crate) fn tiles(&mut self, tiles: Range<usize>) -> impl Iterator<Item = FilmTile<'_>> {
         assert_eq!(tiles.start, self.next, "each tile once, in their order");
         self.next = tiles.end;
-        let (before, step) = (self.before, self.step);
-        let per_tile = before.values_per_tile();
+        let (before, step, begins_anew) = (self.before, self.step, self.begins_anew);
+        let (per_tile, n_watched) = (before.values_per_tile(), before.n_watched());
         let values = self.values.split_off_mut(..tiles.len() * per_tile);
         let lit = self.lit.split_off_mut(..tiles.len());
-        let (values, lit) = (values.unwrap_or_default(), lit.unwrap_or_default());
-        let after = values.chunks_exact_mut(per_tile).zip(lit);
-        tiles.zip(after).map(move |(tile, (after, lit))| FilmTile {
-            before: Some(before.tile(tile)),
-            lit_before: before.lit(tile),
-            after,
-            lit,
-            step,
-        })
+        let watched = self.watched.split_off_mut(..tiles.len() * n_watched);
+        let after = values.unwrap_or_default().chunks_exact_mut(per_tile);
+        let watched = watched.unwrap_or_default().chunks_exact_mut(n_watched);
+        let after = after.zip(lit.unwrap_or_default()).zip(watched);
+        tiles
+            .zip(after)
+            .map(move |(tile, ((after, lit), watched))| FilmTile {
+                before: Some(before.tile(tile)),
+                lit_before: if begins_anew {
+                    LitLayers::default()
+                } else {
+                    before.lit(tile)
+                },
+                after,
+                lit,
+                watched,
+                step,
+            })
     }
 }
 
@@ -56,12 +68,14 @@ impl NextFilm<'_> {
 pub(crate) struct FilmTile<'a> {
     /// The tile without the iteration; if `None`, what is in `after`.
     pub(super) before: Option<&'a [Rgb]>,
-    /// Layers of it that are not black.
+    /// Layers of it that are not black; if there is none, it is black whatever it holds.
     pub(super) lit_before: LitLayers,
     /// Where it goes, whatever is there,
     pub(super) after: &'a mut [Rgb],
     /// and which layers of that are not black.
     pub(super) lit: &'a mut LitLayers,
+    /// Where the values of some pixels go, of the iteration alone; black.
+    pub(super) watched: &'a mut [Rgb],
     /// One over the number of iterations, with this one.
     pub(super) step: f32,
 }
@@ -101,10 +115,12 @@ impl FilmTile<'_> {
             }
         }
         let before = match before {
+            _ if lit_before.is_black() => [&BLACK, &BLACK],
             Some([.., total, deviations]) => [total, deviations],
             _ => [&total.clone(), &deviations.clone()],
         };
         deviate(before, &sum, step, total, deviations);
+        watch(&sum, self.watched);
     }
 }
 
@@ -136,6 +152,15 @@ fn deviate(
         let apart = values[i] - mean_before[i];
         mean[i] = mean_before[i] + apart * step;
         deviations[i] = deviations_before[i] + apart * (values[i] - mean[i]);
+    }
+}
+
+/// Picks pixels at even distances.
+fn watch(values: &Layer, watched: &mut [Rgb]) {
+    let distance = TILE_PIXELS / watched.len().max(1);
+    let pixels = values.as_chunks::<3>().0.iter().skip(distance / 2);
+    for (watched, pixel) in watched.iter_mut().zip(pixels.step_by(distance)) {
+        *watched = Rgb::from(*pixel);
     }
 }
 

@@ -36,6 +36,12 @@ pub trait Integrator: Send {
     fn traces_only_pixels(&self) -> bool {
         false
     }
+
+    /// True if the error of the mean shows in how iterations differ. It does not where they have
+    /// random numbers in common.
+    fn shows_its_error(&self) -> bool {
+        true
+    }
 }
 
 /// One row of the registry: everything that menus, command line, README and tests need to know.

@@ -218,6 +218,10 @@ impl PhotonMapping {
 }
 
 impl Integrator for PhotonMapping {
+    fn shows_its_error(&self) -> bool {
+        !self.is_kept
+    }
+
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
         // First pass.
         let map = match self.kept.take() {

@@ -79,6 +79,22 @@ impl Renderer {
         self.techniques.as_ref()
     }
 
+    /// False if no estimate of the error can be had, [`Integrator::shows_its_error`].
+    #[must_use]
+    pub fn shows_its_error(&self) -> bool {
+        self.integrator.shows_its_error()
+    }
+
+    /// [`Film::estimated_error`] of a film that it rendered, where that says anything: of emitted
+    /// light alone it says nothing, as long as there are surfaces that may scatter some.
+    #[must_use]
+    pub fn estimated_error(&self, film: &Film) -> Option<f64> {
+        let may_scatter = self.settings.max_bounces > 0 && self.scene.may_scatter();
+        let is_evidence = self.shows_its_error() && (!may_scatter || film.has_bounces());
+        let estimate = || self.pool.run(|| film.estimated_error());
+        is_evidence.then(estimate).flatten()
+    }
+
     /// Runs the next iteration and yields it.
     ///
     /// # Errors
@@ -111,7 +127,7 @@ impl Renderer {
         }
         let spare = self.spare.take();
         let mut next = spare.unwrap_or_else(|| film.black());
-        let outcome = next.follow(film, |next| {
+        let outcome = next.follow(film, self.next_iteration, |next| {
             self.run(Some(next), cancel)?;
             Ok(self.frame.n_refused())
         });
@@ -125,6 +141,7 @@ impl Renderer {
 
     fn run(&mut self, film: Option<NextFilm<'_>>, cancel: &CancelToken) -> Result<(), Cancelled> {
         self.frame.forget();
+        self.frame.iteration = self.next_iteration;
         let mut pass = Pass::new(
             (&mut self.frame, film),
             &self.camera,

@@ -317,6 +317,13 @@ impl Scene {
         &self.bodies
     }
 
+    /// Whether there are surfaces that scatter light: others than unlit ones.
+    #[must_use]
+    pub fn may_scatter(&self) -> bool {
+        let mut meshes = self.geometry().meshes().iter();
+        meshes.any(|mesh| !self.materials()[mesh.material as usize].is_unlit())
+    }
+
     /// True if rays may pass through some surface as if it were not there.
     #[inline]
     #[must_use]

@@ -19,7 +19,7 @@ use neumann_core::memory::Share;
 use neumann_core::radiometry::Rgb;
 
 use super::planes::{floats, interleave};
-use super::{Metadata, checksum};
+use super::{Metadata, checksum, spread};
 use crate::image_file::open_regular;
 use crate::{Image, PictureError};
 
@@ -76,7 +76,7 @@ pub fn read_exr(path: &Path) -> Result<Checkpoint, PictureError> {
         .take_rgb("variance")
         .ok_or_else(|| missing("variance"))?;
     let features = raw.take_features();
-    let film = Film::from_parts(
+    let mut film = Film::from_parts(
         (raw.width, raw.height),
         metadata.iterations.count(),
         layers,
@@ -85,6 +85,7 @@ pub fn read_exr(path: &Path) -> Result<Checkpoint, PictureError> {
         metadata.n_refused,
     )
     .map_err(|e| odd(&e.to_string()))?;
+    spread::restore(&mut film, &raw.attributes).map_err(|e| odd(&e.to_string()))?;
     Ok(Checkpoint {
         film,
         features,

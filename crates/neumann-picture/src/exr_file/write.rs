@@ -12,7 +12,7 @@ use neumann_core::radiometry::Rgb;
 
 use super::metadata::{PREFIX, text, text_of};
 use super::planes::Planes;
-use super::{Metadata, checksum};
+use super::{Metadata, checksum, spread};
 use crate::PictureError;
 use crate::files::write_atomically;
 
@@ -81,6 +81,9 @@ pub fn write_exr_as(
     }
     let mut attributes = LayerAttributes::default();
     metadata.put(&mut attributes);
+    if precision == Precision::Full {
+        spread::put(&mut attributes, film.spread());
+    }
     checksum::put(&mut attributes, &planes.list);
     let clamped = planes.clamped;
     write(path, (film.width(), film.height()), planes, attributes)?;

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Film, TILES_PER_TASK};
+use super::{Film, Means, Spread, TILES_PER_TASK};
 use crate::film::{TILE, TILE_PIXELS, View};
 use crate::radiometry::Rgb;
 
@@ -26,7 +26,7 @@ impl Film {
     /// The mean of one layer at a pixel, `y * width + x`; the tail is layer [`Self::n_layers`].
     #[must_use]
     pub fn layer_at(&self, layer: usize, pixel: usize) -> Rgb {
-        self.values[self.index(layer, pixel)]
+        self.mean_at(self.index(layer, pixel))
     }
 
     /// A copy of the mean of L, `total()[y * width + x]`.
@@ -35,25 +35,81 @@ impl Film {
         self.plane(self.n_layers + 1)
     }
 
-    /// Unbiased estimate of the variance of [`Self::total`] at a pixel; zero before the second iteration.
+    /// Estimated variance of [`Self::total`] at a pixel; zero before the second iteration.
+    ///
+    /// It is the sample variance over the number of iterations, unbiased were they independent,
+    /// times what batch means say that it is less, for they are not: their points fill each
+    /// other's gaps.
     #[must_use]
     pub fn variance_of_mean(&self, pixel: usize) -> Rgb {
-        self.variance_from(self.values[self.index(self.n_layers + 2, pixel)])
+        let total = self.index(self.n_layers + 1, pixel);
+        self.deviations_at(total) * self.variance_of_deviations() as f32
     }
 
-    fn variance_from(&self, deviations: Rgb) -> Rgb {
-        if self.n_iterations < 2 {
-            return Rgb::BLACK;
+    /// The variance of the mean, over the sum of squared deviations.
+    fn variance_of_deviations(&self) -> f64 {
+        let n = f64::from(self.n_iterations());
+        if n < 2.0 {
+            return 0.0;
         }
-        let n = self.n_iterations as f32;
-        deviations / (n * (n - 1.0))
+        self.variance_ratio().unwrap_or(1.0) / (n * (n - 1.0))
+    }
+
+    /// Of the mean, to that of as many independent iterations. `None` while it cannot be known.
+    fn variance_ratio(&self) -> Option<f64> {
+        if self.batch_means.n_iterations() == u64::from(self.n_iterations()) {
+            self.batch_means.variance_ratio()
+        } else {
+            // Of a film whose history is not known, the larger estimate is the safe one.
+            Some(1.0)
+        }
+    }
+
+    /// What a file needs to go on with the same bits.
+    #[must_use]
+    pub fn spread(&self) -> Spread {
+        let totals = (0..self.n_pixels()).map(|pixel| self.index(self.n_layers + 1, pixel));
+        Spread {
+            deviations: totals.map(|total| self.deviations_at(total)).collect(),
+            batch_means: self.batch_means.to_bytes(),
+        }
+    }
+
+    /// The recent and the older iterations, and their shares in all.
+    fn parts(&self) -> impl Iterator<Item = (&Means, f32)> {
+        let n = self.n_iterations().max(1) as f32;
+        let older = self.older.as_deref();
+        let share = older.map_or(1.0, |_| self.recent.n as f32 / n);
+        let older = older.map(|older| (older, older.n as f32 / n));
+        std::iter::once((&self.recent, share)).chain(older)
+    }
+
+    /// The mean of the values at an index.
+    fn mean_at(&self, index: usize) -> Rgb {
+        let values = self
+            .parts()
+            .map(|(means, share)| means.values[index] * share);
+        values.fold(Rgb::BLACK, |sum, value| sum + value)
+    }
+
+    /// The squared deviations of L, whose mean is at `total`.
+    fn deviations_at(&self, total: usize) -> Rgb {
+        let of = |means: &Means| means.values[total + TILE_PIXELS];
+        match &self.older {
+            None => of(&self.recent),
+            Some(older) => {
+                let [a, b] = [f64::from(older.n), f64::from(self.recent.n)];
+                let apart = self.recent.values[total] - older.values[total];
+                of(older) + of(&self.recent) + apart * apart * (a * b / (a + b)) as f32
+            }
+        }
     }
 
     /// The mean radiance of a view at one pixel; black if the film does not keep it apart.
     #[must_use]
     pub fn radiance(&self, view: View, pixel: usize) -> Rgb {
         match view {
-            View::Total => self.values[self.index(self.n_layers + 1, pixel)],
+            View::Total => self.mean_at(self.index(self.n_layers + 1, pixel)),
             _ => view
                 .layers(self.n_layers)
                 .into_iter()
@@ -83,9 +139,11 @@ impl Film {
 
     /// Adds a row of a layer to `out[x]`; the tail is layer [`Self::n_layers`].
     pub(crate) fn add_row(&self, layer: usize, y: usize, out: &mut [Rgb]) {
-        for (out, values) in out.chunks_mut(TILE).zip(self.row(layer, y)) {
-            for (sum, value) in out.iter_mut().zip(values) {
-                *sum += *value;
+        for (means, share) in self.parts() {
+            for (out, values) in out.chunks_mut(TILE).zip(self.row(means, layer, y)) {
+                for (sum, value) in out.iter_mut().zip(values) {
+                    *sum += *value * share;
+                }
             }
         }
     }
@@ -97,10 +155,11 @@ impl Film {
             .into_par_iter()
             .map(|layer| {
                 let mut sum = [0f64; 3];
-                for part in (0..self.height).flat_map(|y| self.row(layer, y)) {
-                    for value in part {
+                for (means, share) in self.parts() {
+                    let rows = (0..self.height).flat_map(|y| self.row(means, layer, y));
+                    for value in rows.flatten() {
                         for (sum, channel) in sum.iter_mut().zip(value.to_array()) {
-                            *sum += f64::from(channel);
+                            *sum += f64::from(channel * share);
                         }
                     }
                 }
@@ -124,48 +183,61 @@ impl Film {
             .collect()
     }
 
+    /// Whether there is any light that was scattered.
+    #[must_use]
+    pub fn has_bounces(&self) -> bool {
+        let per_tile = self.values_per_tile();
+        let bounces = TILE_PIXELS..per_tile - 2 * TILE_PIXELS;
+        self.parts().any(|(means, _)| {
+            let mut tiles = means.values.chunks_exact(per_tile).zip(&means.lit);
+            tiles.any(|(tile, lit)| {
+                !lit.is_black() && tile[bounces.clone()].iter().any(|value| !value.is_black())
+            })
+        })
+    }
+
     /// Estimated relative error of the image: the root of the mean variance over pixels and
-    /// channels, over the mean radiance. `None` while nothing is known of it: before the second
+    /// channels, over the mean radiance. `None` while nothing is known of it: before the fourth
     /// iteration, and while no light has been found.
     #[must_use]
     pub fn estimated_error(&self) -> Option<f64> {
-        if self.n_iterations < 2 {
+        if self.n_iterations() < 2 {
             return None;
         }
-        let n = self.n_pixels().max(1) as f64;
+        self.variance_ratio()?;
         let per_tile = self.values_per_tile();
         // What of a tile is beyond the image is black.
-        let (variance, mean) = self
-            .values
-            .par_chunks_exact(per_tile)
+        let (deviations, sum) = (0..self.grid().n_tiles())
+            .into_par_iter()
             .with_min_len(TILES_PER_TASK)
             .map(|tile| {
-                let (means, deviations) = tile.split_at(per_tile - TILE_PIXELS);
-                let total = &means[means.len() - TILE_PIXELS..];
-                let variance = |d: &Rgb| f64::from(self.variance_from(*d).mean());
+                let total = (tile + 1) * per_tile - 2 * TILE_PIXELS;
+                let pixels = total..total + TILE_PIXELS;
+                let deviations = |i: usize| f64::from(self.deviations_at(i).mean());
+                let mean = |i: usize| f64::from(self.mean_at(i).mean());
                 (
-                    deviations.iter().map(variance).sum::<f64>(),
-                    total.iter().map(|m| f64::from(m.mean())).sum::<f64>(),
+                    pixels.clone().map(deviations).sum::<f64>(),
+                    pixels.map(mean).sum::<f64>(),
                 )
             })
             .reduce(|| (0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-        (mean > 0.0).then(|| (variance / n).sqrt() / (mean / n))
+        let n_pixels = self.n_pixels().max(1) as f64;
+        let variance = deviations / n_pixels * self.variance_of_deviations();
+        (sum > 0.0).then(|| variance.sqrt() / (sum / n_pixels))
     }
 
     /// A row of a layer, the total or the deviations, tile by tile.
-    fn row(&self, plane: usize, y: usize) -> impl Iterator<Item = &[Rgb]> {
+    fn row<'m>(&self, means: &'m Means, plane: usize, y: usize) -> impl Iterator<Item = &'m [Rgb]> {
         (0..self.width).step_by(TILE).map(move |x| {
             let start = self.index(plane, y * self.width + x);
-            &self.values[start..start + TILE.min(self.width - x)]
+            &means.values[start..start + TILE.min(self.width - x)]
         })
     }
 
     fn plane(&self, plane: usize) -> Vec<Rgb> {
-        let mut values = Vec::with_capacity(self.n_pixels());
-        for y in 0..self.height {
-            for part in self.row(plane, y) {
-                values.extend_from_slice(part);
-            }
+        let mut values = vec![Rgb::BLACK; self.n_pixels()];
+        for (y, row) in values.chunks_exact_mut(self.width.max(1)).enumerate() {
+            self.add_row(plane, y, row);
         }
         values
     }

@@ -3,6 +3,7 @@
 mod adaptive;
 mod adjoint;
 mod agreement;
+mod backs;
 mod cameras;
 mod casters;
 mod determinism;

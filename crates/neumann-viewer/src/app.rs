@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{Context, Rect, Ui, pos2};
+use neumann_core::render::hidden_by_backs;
 use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::load::LoadOptions;
-use neumann_core::scene::{OpeningProgress, Scene, SkyChoice};
+use neumann_core::scene::{Backs, OpeningProgress, Scene, SkyChoice};
 
 use crate::display::{ViewSettings, image_area};
 use crate::gallery::Gallery;
@@ -177,7 +178,13 @@ impl App {
         // What the command asks for is meant for the scene that it names.
         let sky = self.options.environment.sky.clone();
         let sky = sky.filter(|_| self.is_first_scene);
-        let progress = self.background.open_scene(source.clone(), sky, options);
+        let backs = if self.is_first_scene {
+            self.options.backs
+        } else {
+            Backs::default()
+        };
+        let background = &mut self.background;
+        let progress = background.open_scene(source.clone(), sky, backs, options);
         self.loading = Some(Loading { source, progress });
     }
 
@@ -206,6 +213,23 @@ impl App {
             // The last of the warnings says why.
             let why = warnings.last().map_or("", String::as_str);
             self.notices.offer(why, "Remove sky", Offer::RemoveSky);
+        }
+        self.tell_of_backs();
+    }
+
+    /// Offers to look through backs that hide much of what the camera is to see.
+    fn tell_of_backs(&mut self) {
+        self.notices.withdraw(Offer::LookThroughBacks);
+        let (Some(open), Some(control)) = (&self.setup.open, &self.setup.camera) else {
+            return;
+        };
+        if let Some(share) = hidden_by_backs(&open.scene, control.camera()) {
+            let text = format!(
+                "Backs of single-sided surfaces hide {:.0} % of what the camera sees",
+                share * 100.0
+            );
+            let notices = &mut self.notices;
+            notices.offer(text, "Look through", Offer::LookThroughBacks);
         }
     }
 
@@ -248,6 +272,7 @@ impl App {
     fn accept(&mut self, offer: Offer) {
         match offer {
             Offer::RemoveSky => self.setup.choose_sky(None),
+            Offer::LookThroughBacks => self.setup.choose_backs(Backs::SeeThrough),
         }
     }
 

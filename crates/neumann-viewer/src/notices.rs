@@ -16,6 +16,8 @@ pub struct Notices {
 pub enum Offer {
     /// Take away the sky that was added by default.
     RemoveSky,
+    /// Look through the backs of single-sided surfaces.
+    LookThroughBacks,
 }
 
 #[derive(Debug)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::Vec3;
 use neumann_core::film::View;
 use neumann_core::render::StopRule;
-use neumann_core::scene::SkyChoice;
+use neumann_core::scene::{Backs, SkyChoice};
 use neumann_picture::tone::ToneCurve;
 
 /// How the window begins.
@@ -21,6 +21,8 @@ pub struct ViewOptions {
     pub camera: CameraOptions,
     /// Environment in place of the scene's.
     pub environment: EnvironmentOptions,
+    /// What the camera makes of the backs of single-sided surfaces.
+    pub backs: Backs,
     /// Terms with `k` up to and including this one are computed.
     pub max_bounces: Option<u32>,
     /// Bounce layers kept apart.

@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use neumann_core::render::lit;
 use neumann_core::scene::description::DefaultSky;
 use neumann_core::scene::load::{EnvironmentFile, LoadError, LoadOptions, load_environment};
-use neumann_core::scene::{self, BetterTree, OpeningProgress, Scene, SkyChoice};
+use neumann_core::scene::{self, Backs, BetterTree, OpeningProgress, Scene, SkyChoice};
 use neumann_picture::image_file::{Image, read_image};
 
 /// Something that was asked for has come, or has failed.
@@ -76,6 +76,7 @@ impl Background {
         &mut self,
         source: String,
         sky: Option<SkyChoice>,
+        backs: Backs,
         options: LoadOptions,
     ) -> OpeningProgress {
         let progress = options.progress.clone();
@@ -89,7 +90,8 @@ impl Background {
                     Some(SkyChoice::File(_)) => description.default_sky = DefaultSky::Never,
                     Some(sky) => sky.apply(&mut description)?,
                 }
-                Ok(lit(Scene::build_quickly(&description, &options.progress)))
+                let scene = Scene::build_quickly(&description, &options.progress);
+                Ok(lit(scene.with_backs(backs)))
             };
             let scene = open().map(Arc::new).map_err(|e: LoadError| e.to_string());
             Some(Arrival::Scene(source, scene))

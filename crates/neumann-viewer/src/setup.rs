@@ -6,7 +6,7 @@ use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, Method, ParameterValues};
 use neumann_core::render::{RenderSettings, StopRule};
 use neumann_core::scene::description::EnvironmentDescription;
-use neumann_core::scene::{Appearance, BetterTree, Scene, Sky};
+use neumann_core::scene::{Appearance, Backs, BetterTree, Scene, Sky};
 
 use crate::camera_control::CameraControl;
 use crate::options::{CameraOptions, EnvironmentOptions, ViewOptions};
@@ -193,6 +193,14 @@ impl Setup {
             })
         });
         self.dress(appearance);
+    }
+
+    /// Has the camera look through backs of single-sided surfaces, or not.
+    pub fn choose_backs(&mut self, backs: Backs) {
+        if let Some(open) = &mut self.open {
+            open.scene = Arc::new(Scene::clone(&open.scene).with_backs(backs));
+            self.is_changed = true;
+        }
     }
 
     /// Applies intensity and rotation of the environment.

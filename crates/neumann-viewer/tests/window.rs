@@ -15,7 +15,10 @@ use neumann_core::film::{Strategy, TechniqueImage, View};
 use neumann_core::integrator::METHODS;
 use neumann_core::render::StopRule;
 use neumann_core::scene::Scene;
-use neumann_core::scene::description::{InstanceDescription, MeshDescription, SceneDescription};
+use neumann_core::scene::builtin::builtin;
+use neumann_core::scene::description::{
+    CameraDescription, InstanceDescription, MeshDescription, SceneDescription,
+};
 use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
 
@@ -405,4 +408,46 @@ fn the_default_sky_goes_at_a_click_and_others_can_be_chosen() {
     assert_eq!(sky_of(&harness).as_deref(), Some("sun"));
     click(&mut harness, "sky: none");
     assert_eq!(sky_of(&harness), None);
+}
+
+/// The Cornell box from outside, towards its back wall.
+fn room_from_outside() -> Arc<Scene> {
+    let room = builtin("cornell").expect("a built-in scene");
+    let mut room = room.load().expect("a scene as it comes");
+    let (eye, target) = (Vec3::new(0.0, 2.7, -14.0), Vec3::Y * 2.7);
+    room.cameras[0].world_from_camera = CameraDescription::looking_at(eye, target, Vec3::Y);
+    Arc::new(Scene::build(&room))
+}
+
+#[test]
+fn backs_are_looked_through_at_a_click_and_solid_at_another() {
+    let mut harness = harness([1280.0, 2400.0]);
+    let n_notices = |harness: &Harness<'_, App>| harness.state().notices.texts().count();
+    assert_eq!(n_notices(&harness), 0, "the furnace is seen from inside");
+    let app = harness.state_mut();
+    app.take_scene("room.glb".to_owned(), room_from_outside());
+    harness.run_steps(2);
+    let told: Vec<_> = harness.state().notices.texts().collect();
+    let says = |text: &&str| text.starts_with("Backs of single-sided surfaces hide ");
+    assert!(told.iter().any(says), "{told:?}");
+    let started = |harness: &Harness<'_, App>| {
+        let job = harness.state().link.started().expect("it renders");
+        job.scene.sees_through_backs()
+    };
+    assert!(!started(&harness));
+    click(&mut harness, "Look through");
+    assert!(started(&harness));
+    assert_eq!(n_notices(&harness), 0);
+    harness.state_mut().page = Page::Scene;
+    harness.run_steps(2);
+    click(&mut harness, "look through backs");
+    assert!(!started(&harness));
+    // The switch takes the offer back, and another scene begins anew.
+    let app = harness.state_mut();
+    app.take_scene("room.glb".to_owned(), room_from_outside());
+    harness.run_steps(2);
+    assert_eq!(n_notices(&harness), 1);
+    click(&mut harness, "look through backs");
+    assert!(started(&harness));
+    assert_eq!(n_notices(&harness), 0);
 }

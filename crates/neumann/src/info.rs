@@ -1,7 +1,7 @@
 //! `neumann info`: what a scene consists of.
 
-use neumann_core::scene::Scene;
 use neumann_core::scene::description::{CameraDescription, Projection};
+use neumann_core::scene::{Backs, Scene};
 use serde_json::{Value, json};
 
 use crate::cli::InfoArguments;
@@ -14,6 +14,7 @@ pub(crate) fn run(arguments: &InfoArguments) -> Outcome {
         &arguments.scene,
         &arguments.load,
         &EnvironmentArguments::default(),
+        Backs::default(),
     )?;
     if arguments.json {
         console::json(&as_json(&scene))

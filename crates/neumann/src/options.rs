@@ -12,11 +12,11 @@ use glam::Vec3;
 use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, ParameterValues, method};
 use neumann_core::radiometry::Rgb;
-use neumann_core::render::{RenderSettings, WorkerPool, lit};
+use neumann_core::render::{RenderSettings, WorkerPool, hidden_by_backs, lit};
 use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::description::{CameraDescription, EnvironmentDescription};
 use neumann_core::scene::load::LoadOptions;
-use neumann_core::scene::{self, Scene, SkyChoice};
+use neumann_core::scene::{self, Backs, Scene, SkyChoice};
 use neumann_picture::tone::{Display, ToneCurve, auto_exposure};
 
 use crate::console;
@@ -65,6 +65,10 @@ pub(crate) struct SettingsOptions {
     /// Threads that render [default: all]
     #[arg(long, value_name = "N", value_parser = parse::whole(1..=1024), allow_hyphen_values = true)]
     pub(crate) threads: Option<u32>,
+    /// Backs of single-sided surfaces: solid, or see-through for the camera (a room from outside, a
+    /// model in its outline hull); to light they are solid, unless unlit
+    #[arg(long, value_name = "BACKS", default_value = Backs::Solid.name(), value_parser = backs())]
+    pub(crate) backs: Backs,
     #[command(flatten)]
     pub(crate) camera: CameraArguments,
     #[command(flatten)]
@@ -206,6 +210,7 @@ pub(crate) fn open_scene(
     name: &str,
     load: &LoadArguments,
     environment: &EnvironmentArguments,
+    backs: Backs,
 ) -> Outcome<Scene> {
     let options = LoadOptions {
         allow_outside: load.allow_outside,
@@ -227,7 +232,9 @@ pub(crate) fn open_scene(
         .filter_map(|i| Some(description.meshes.get(i.mesh)?.triangles.len()))
         .sum();
     let building = format!("building trees over {n_triangles} triangles");
-    let mut scene = while_waiting(&building, || lit(Scene::build(&description)));
+    let mut scene = while_waiting(&building, || {
+        lit(Scene::build(&description).with_backs(backs))
+    });
     if description.environment.is_none() && environment.adjusts() {
         let mut appearance = scene.appearance().clone();
         let Some(default_sky) = &mut appearance.environment else {
@@ -257,6 +264,7 @@ impl SettingsOptions {
             threads: None,
             camera: CameraArguments::default(),
             environment: EnvironmentArguments::default(),
+            backs: Backs::default(),
             load: LoadArguments::default(),
         }
     }
@@ -271,8 +279,9 @@ impl SettingsOptions {
                 .set(method.parameters, parameter, text)
                 .map_err(|e| bad_input(format!("--set {parameter}={text}: {} ({e})", method.id)))?;
         }
-        let scene = open_scene(name, &self.load, &self.environment)?;
+        let scene = open_scene(name, &self.load, &self.environment, self.backs)?;
         let camera = camera::resolve(&self.camera, &scene)?;
+        tell_of_backs(&scene, &camera);
         let (width, height) = self.size.unwrap_or_else(|| default_size(&camera));
         let settings = RenderSettings {
             method,
@@ -306,6 +315,17 @@ impl SettingsOptions {
     }
 }
 
+/// Says so where backs hide much of what the camera is to see.
+fn tell_of_backs(scene: &Scene, camera: &CameraDescription) {
+    if let Some(share) = hidden_by_backs(scene, camera) {
+        console::note(&format!(
+            "warning: backs of single-sided surfaces hide {:.0} % of what the camera sees; \
+             --backs see-through looks through them",
+            share * 100.0
+        ));
+    }
+}
+
 /// Longer edge of a picture where no size is asked for, pixels.
 const DEFAULT_EDGE: f32 = 512.0;
 
@@ -331,6 +351,11 @@ fn integrators() -> impl TypedValueParser<Value = String> {
 /// A sky by name, or a map by path.
 fn sky(text: &str) -> Result<SkyChoice, std::convert::Infallible> {
     Ok(SkyChoice::from_word(text))
+}
+
+fn backs() -> impl TypedValueParser<Value = Backs> {
+    PossibleValuesParser::new(Backs::ALL.map(Backs::name))
+        .map(|name| Backs::named(&name).unwrap_or_default())
 }
 
 fn tone_curves() -> impl TypedValueParser<Value = ToneCurve> {

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 #![allow(clippy::print_stderr, reason = "a test says what it leaves out")]
 
+#[path = "command/backs.rs"]
+mod backs;
 #[path = "command/examples.rs"]
 mod examples;
 #[path = "command/refusals.rs"]
@@ -295,6 +297,7 @@ fn what_does_not_belong_together_is_neither_resumed_nor_merged() {
         ("--eye 0,1,3", "camera's position"),
         ("--layers 3", "layers"),
         ("--size 8x8", "size"),
+        ("--backs see-through", "backs"),
     ];
     for (option, field) in cases {
         let base = base.replace(

@@ -12,7 +12,7 @@ use super::traverse::{AXES, BoxHits, FAR_PADDING, Prepared, slack_of_depth, slac
 use super::wide::{Node, WIDTH};
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of};
-use crate::math::ray::NO_TRIANGLE;
+use crate::math::ray::{LENS, NO_TRIANGLE};
 
 /// A ray in each lane, or none.
 #[derive(Clone, Debug)]
@@ -125,6 +125,12 @@ impl RayLanes {
         self.end.set(lane, others.end.get(of));
         self.leaves.set(lane, others.leaves.get(of));
         self.aims_at.set(lane, others.aims_at.get(of));
+    }
+
+    /// True if the lens is at one end of any of them.
+    pub(crate) fn meet_lens(&self) -> bool {
+        let is_lens = |lane| [self.leaves.get(lane), self.aims_at.get(lane)].contains(&LENS);
+        lanes_of(self.is_there).any(is_lens)
     }
 
     /// One bit for each lane that has a ray.

@@ -18,7 +18,7 @@ pub use light::{Light, LightChoice, Lights, Receiver};
 use glam::Vec3;
 
 use crate::math::Ray;
-use crate::math::ray::NO_TRIANGLE;
+use crate::math::ray::{LENS, NO_TRIANGLE};
 use crate::radiometry::Rgb;
 
 /// A point of a surface, right to the rounding of its coordinates.
@@ -54,6 +54,13 @@ impl SurfacePoint {
     #[must_use]
     pub fn segment_to(&self, to: &Self) -> Ray {
         self.segment(to.position).aimed_at(to.triangle)
+    }
+
+    /// The ray from here to a point of the lens.
+    #[inline(always)]
+    #[must_use]
+    pub fn segment_to_lens(&self, to: Vec3) -> Ray {
+        self.segment(to).aimed_at(LENS)
     }
 
     /// The ray from here to a point that is on no surface.

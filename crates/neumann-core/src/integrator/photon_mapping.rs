@@ -551,13 +551,13 @@ fn show_photons(
 /// True if nothing but glass is between a photon and the lens; glass is looked through as if it were not there.
 fn is_seen(tracer: &mut Tracer<'_>, photon: &Photon, aim: &Aim) -> bool {
     let point = photon.point();
-    let ray = point.segment(point.position + aim.wi * aim.distance);
+    let ray = point.segment_to_lens(point.position + aim.wi * aim.distance);
     let met = tracer.crossings(&ray);
     let is_open = |hit: &Hit| {
         let vertex = tracer.surface_vertex(&ray, hit);
-        vertex.bsdf.is_transmissive() || vertex.opacity <= 0.0
+        vertex.bsdf.is_transmissive() || tracer.opacity(&ray, hit) <= 0.0
     };
-    met.iter().all(is_open)
+    !tracer.leaves_unseen(&ray) && met.iter().all(is_open)
 }
 
 /// Colours that can be told apart without seeing red from green: Okabe and Ito 2008, linear.

@@ -149,6 +149,14 @@ impl Material {
         self.coverage.is_some()
     }
 
+    /// True if its back is nothing to look at: it is single-sided, and no light passes through it,
+    /// so that it bounds no body.
+    #[inline]
+    #[must_use]
+    pub fn is_one_sided(&self) -> bool {
+        !self.parameters.is_double_sided && self.parameters.transmission <= 0.0
+    }
+
     /// Absorption coefficient of the inside, 1/m; `None` without a volume.
     #[inline]
     #[must_use]

@@ -9,6 +9,16 @@ use glam::{Vec3, Vec4};
 /// In the place of a triangle's index: none.
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
+/// In the place of a triangle's index: the lens of the camera.
+pub const LENS: u32 = u32::MAX - 1;
+
+/// The index itself, if there is a triangle in its place.
+#[inline(always)]
+#[must_use]
+pub fn triangle_of(index: u32) -> Option<u32> {
+    (index < LENS).then_some(index)
+}
+
 /// A half-line or segment in world space.
 ///
 /// Place and direction are kept as two whole vectors, as the traversal reads them: written to
@@ -98,18 +108,33 @@ impl Ray {
         self.origin_and_end.w
     }
 
-    /// The triangle that it starts on, or [`NO_TRIANGLE`].
+    /// The triangle that it starts on, or [`LENS`] or [`NO_TRIANGLE`].
     #[inline(always)]
     #[must_use]
     pub fn leaves(&self) -> u32 {
         self.leaves
     }
 
-    /// The triangle that it ends on, or [`NO_TRIANGLE`].
+    /// The triangle that it ends on, or [`LENS`] or [`NO_TRIANGLE`].
     #[inline(always)]
     #[must_use]
     pub fn aims_at(&self) -> u32 {
         self.aims_at
+    }
+
+    /// True if the lens is at one of its ends.
+    #[inline(always)]
+    #[must_use]
+    pub fn meets_lens(&self) -> bool {
+        self.leaves == LENS || self.aims_at == LENS
+    }
+
+    /// True if the lens at one of its ends sees a surface with this normal from behind.
+    #[inline]
+    #[must_use]
+    pub fn shows_back_of(&self, ng: Vec3) -> bool {
+        let along = ng.dot(self.direction());
+        (self.leaves == LENS && along > 0.0) || (self.aims_at == LENS && along < 0.0)
     }
 
     /// The point at distance `t`.

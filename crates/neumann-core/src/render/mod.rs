@@ -4,6 +4,7 @@
 //! [`Renderer`] strings iterations together for a command; [`RenderLoop`]
 //! does so in the background for a window.
 
+mod behind_backs;
 mod cancel;
 mod coverage;
 mod iteration_times;
@@ -18,6 +19,7 @@ mod sample_counts;
 mod settings;
 mod sink;
 
+pub use behind_backs::hidden_by_backs;
 pub use cancel::{CancelToken, Cancelled};
 pub use iteration_times::IterationTimes;
 pub use light_paths::{Collected, LightNumbers, LightPaths};

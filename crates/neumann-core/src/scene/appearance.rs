@@ -21,6 +21,42 @@ pub struct Appearance {
     pub light_levels: Vec<Level>,
     /// Level of the environment.
     pub environment_level: Level,
+    /// What the camera makes of the backs of single-sided surfaces.
+    pub backs: Backs,
+}
+
+/// What the camera makes of a single-sided surface that it sees from behind, on the first segment
+/// of a path only: to everything else such a surface is solid from both sides, so that two
+/// surfaces see each other or do not. Surfaces that transmit light are solid to the camera, too,
+/// since their backs are met from within a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backs {
+    /// It is there.
+    #[default]
+    Solid,
+    /// The camera looks through it, as through a cut-out. If it is unlit, light passes it either
+    /// way: it is drawn, not built, such as the hull that gives a model its outline.
+    SeeThrough,
+}
+
+impl Backs {
+    /// All of them, the default first.
+    pub const ALL: [Self; 2] = [Self::Solid, Self::SeeThrough];
+
+    /// What the command calls it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solid => "solid",
+            Self::SeeThrough => "see-through",
+        }
+    }
+
+    /// The one that is called so.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|backs| backs.name() == name)
+    }
 }
 
 /// Whether a light is on, and how bright.
@@ -66,6 +102,7 @@ impl Appearance {
             material_levels: vec![Level::default(); materials.len()],
             light_levels: vec![Level::default(); description.lights.len()],
             environment_level: Level::default(),
+            backs: Backs::default(),
             lights: description.lights.clone(),
             environment: description.environment.clone().map(Arc::new),
             materials,

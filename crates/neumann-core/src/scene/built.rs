@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::appearance::Appearance;
+use super::appearance::{Appearance, Backs};
 use super::bodies::Bodies;
 use super::casters::{Caster, casters};
 use super::description::{CameraDescription, DefaultSky, LoadReport, Projection, SceneDescription};
@@ -33,7 +33,7 @@ pub struct Scene {
     appearance: Appearance,
     materials: Vec<Material>,
     lights: Lights,
-    has_alpha: bool,
+    openness: Openness,
     /// `reflectors[mesh]`
     reflectors: Vec<Option<PlainReflector>>,
     casters: Vec<Caster>,
@@ -162,7 +162,7 @@ impl Scene {
             appearance,
             materials: dress.materials,
             lights: dress.lights,
-            has_alpha: dress.has_alpha,
+            openness: dress.openness,
             reflectors: dress.reflectors,
             casters: dress.casters,
             bodies: dress.bodies,
@@ -195,7 +195,7 @@ impl Scene {
             appearance,
             materials: dress.materials,
             lights: dress.lights,
-            has_alpha: dress.has_alpha,
+            openness: dress.openness,
             reflectors: dress.reflectors,
             casters: dress.casters,
             bodies: dress.bodies,
@@ -324,11 +324,39 @@ impl Scene {
         meshes.any(|mesh| !self.materials()[mesh.material as usize].is_unlit())
     }
 
-    /// True if rays may pass through some surface as if it were not there.
+    /// True if any ray may pass through some surface as if it were not there.
     #[inline]
     #[must_use]
     pub fn has_alpha(&self) -> bool {
-        self.has_alpha
+        self.openness.has_alpha
+    }
+
+    /// True if the camera looks through the backs of some surfaces.
+    #[inline]
+    #[must_use]
+    pub fn sees_through_backs(&self) -> bool {
+        self.openness.sees_through_backs
+    }
+
+    /// True if either is.
+    #[inline]
+    #[must_use]
+    pub(crate) fn lets_rays_pass(&self) -> bool {
+        self.openness.lets_rays_pass
+    }
+
+    /// True if some surface has a back that the camera may look through.
+    #[must_use]
+    pub fn has_backs(&self) -> bool {
+        self.openness.has_backs
+    }
+
+    /// The same scene with other [`Backs`].
+    #[must_use]
+    pub fn with_backs(mut self, backs: Backs) -> Self {
+        self.appearance.backs = backs;
+        self.openness = Openness::new(&self.geometry, &self.materials, backs);
+        self
     }
 
     /// The cameras of the file; if it has none, one that frames the bounds.
@@ -376,11 +404,43 @@ impl Scene {
     }
 }
 
+/// Which rays may pass through some surface as if it were not there.
+#[derive(Clone, Copy, Debug)]
+struct Openness {
+    /// Any.
+    has_alpha: bool,
+    /// Those of the camera, if it looks through backs.
+    has_backs: bool,
+    /// Those of the camera.
+    sees_through_backs: bool,
+    /// Some.
+    lets_rays_pass: bool,
+}
+
+impl Openness {
+    fn new(geometry: &Geometry, materials: &[Material], backs: Backs) -> Self {
+        let any = |is_so: fn(&Material) -> bool| {
+            let mut meshes = geometry.meshes().iter();
+            meshes.any(|mesh| is_so(&materials[mesh.material as usize]))
+        };
+        let has_backs = any(Material::is_one_sided);
+        let sees_through_backs = has_backs && backs == Backs::SeeThrough;
+        let is_drawn = |m: &Material| m.is_unlit() && m.is_one_sided();
+        let has_alpha = any(Material::has_alpha) || (sees_through_backs && any(is_drawn));
+        Self {
+            has_alpha,
+            has_backs,
+            sees_through_backs,
+            lets_rays_pass: has_alpha || sees_through_backs,
+        }
+    }
+}
+
 /// What follows from geometry and appearance.
 struct Dress {
     materials: Vec<Material>,
     lights: Lights,
-    has_alpha: bool,
+    openness: Openness,
     reflectors: Vec<Option<PlainReflector>>,
     casters: Vec<Caster>,
     bodies: Bodies,
@@ -401,10 +461,7 @@ fn dress(
         .map(|(m, level)| Material::new(m, images).with_level(level.factor()))
         .collect();
     let lights = lighting::lights(geometry, &materials, appearance, &mut maps);
-    let has_alpha = geometry
-        .meshes()
-        .iter()
-        .any(|mesh| materials[mesh.material as usize].has_alpha());
+    let openness = Openness::new(geometry, &materials, appearance.backs);
     let bodies = Bodies::new(geometry, bvh, &materials);
     let bodies = if bodies.is_empty() {
         bodies
@@ -433,7 +490,7 @@ fn dress(
         bodies,
         materials,
         lights,
-        has_alpha,
+        openness,
         maps,
     }
 }

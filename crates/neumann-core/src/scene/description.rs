@@ -367,21 +367,33 @@ impl Lens {
         let is_length = |x: f32| CAMERA_LENGTHS.contains(&x);
         if !is_length(aperture) {
             return Some(format!(
-                "an aperture of {aperture} m is not between 1e-12 and 1e12 m"
+                "an aperture of {} m is not between 1e-12 and 1e12 m",
+                short(aperture)
             ));
         }
         if !is_length(focus_distance) {
             return Some(format!(
-                "a focus at {focus_distance} m is not between 1e-12 and 1e12 m"
+                "a focus at {} m is not between 1e-12 and 1e12 m",
+                short(focus_distance)
             ));
         }
         (aperture > Self::WIDEST * focus_distance).then(|| {
             format!(
-                "an aperture of {aperture} m is more than {} times the distance of its focus, \
-                 {focus_distance} m",
-                Self::WIDEST
+                "an aperture of {} m is more than {} times the distance of its focus, {} m",
+                short(aperture),
+                Self::WIDEST,
+                short(focus_distance)
             )
         })
+    }
+}
+
+/// A length without rows of zeros: 0.5, but 1e-39.
+pub(super) fn short(length: f32) -> String {
+    if (1e-4..1e7).contains(&length.abs()) || length == 0.0 {
+        length.to_string()
+    } else {
+        format!("{length:e}")
     }
 }
 

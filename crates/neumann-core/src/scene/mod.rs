@@ -17,7 +17,7 @@ pub mod load;
 mod progress;
 mod sky;
 
-pub use appearance::{Appearance, Level};
+pub use appearance::{Appearance, Backs, Level};
 pub use built::{BetterTree, Scene, Statistics};
 pub use builtin::open;
 pub use casters::Caster;

@@ -18,7 +18,7 @@ use glam::{DVec2, DVec3};
 
 use crate::accel::Hit;
 use crate::math::Ray;
-use crate::math::ray::NO_TRIANGLE;
+use crate::math::ray::triangle_of;
 use crate::scene::Scene;
 use crate::scene::geometry::Geometry;
 
@@ -114,7 +114,7 @@ fn met(scene: &Scene, ray: &Ray, ends: bool, mut stops: impl FnMut(&Hit) -> bool
 
 impl<'a> Line<'a> {
     fn new(geometry: &'a Geometry, ray: &Ray) -> Self {
-        let triangle = |index| (index != NO_TRIANGLE).then(|| Triangle::new(geometry, index));
+        let triangle = |index| triangle_of(index).map(|index| Triangle::new(geometry, index));
         Self {
             geometry,
             origin: ray.origin().as_dvec3(),

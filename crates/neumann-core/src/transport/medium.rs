@@ -15,7 +15,7 @@ use crate::accel::Hit;
 use crate::bsdf::{Bsdf, Walls};
 use crate::endpoint::{Aim, Start, SurfacePoint};
 use crate::math::Ray;
-use crate::math::ray::NO_TRIANGLE;
+use crate::math::ray::{LENS, triangle_of};
 use crate::radiometry::Rgb;
 use crate::scene::bodies::{Bodies, Crossing, Media, Wall};
 
@@ -241,11 +241,15 @@ impl<'a> Tracer<'a> {
     /// Share of light that gets from a surface, on a side where `media` are, to what was aimed at.
     #[inline(always)]
     pub fn light_to(&mut self, from: &SurfacePoint, aim: &Aim, media: Media) -> Rgb {
-        let bodies = self.scene.bodies();
-        if bodies.is_empty() || (media.is_vacuum() && !bodies.have_leaks()) {
-            return Rgb::splat(self.visibility(from, aim));
-        }
-        self.light_through(&shadow_ray(from, aim), aim.distance, media)
+        self.light_to_end(&shadow_ray(from, aim), aim.distance, media)
+    }
+
+    /// The same to the lens, which was aimed at: it may look through backs, also through that of
+    /// the surface itself.
+    #[inline(always)]
+    pub fn light_to_lens(&mut self, from: &SurfacePoint, aim: &Aim, media: Media) -> Rgb {
+        let ray = from.segment_to_lens(from.position + aim.wi * aim.distance);
+        self.light_to_end(&ray, aim.distance, media)
     }
 
     /// Share of light that gets from one point of a surface, on the side where `media` are, to
@@ -258,21 +262,28 @@ impl<'a> Tracer<'a> {
         distance: f32,
         media: Media,
     ) -> Rgb {
-        let bodies = self.scene.bodies();
-        if bodies.is_empty() || (media.is_vacuum() && !bodies.have_leaks()) {
-            return Rgb::splat(self.visibility_between(from, to));
-        }
-        self.light_through(&from.segment_to(to), distance, media)
+        self.light_to_end(&from.segment_to(to), distance, media)
     }
 
-    /// Share of light that gets along a ray that begins in `media` so many metres far, where
-    /// nothing but walls that are not there for it is in between.
-    pub fn light_before(&mut self, ray: &Ray, distance: f32, media: Media) -> Rgb {
+    /// Share of light that gets along a ray from a surface, on a side where `media` are, to its
+    /// end, so many metres away.
+    #[inline(always)]
+    fn light_to_end(&mut self, ray: &Ray, distance: f32, media: Media) -> Rgb {
         let bodies = self.scene.bodies();
-        if !bodies.have_hidden_walls() {
+        if bodies.is_empty() || (media.is_vacuum() && !bodies.have_leaks()) {
+            return Rgb::splat(self.transmittance(ray));
+        }
+        self.light_through(ray, distance, media)
+    }
+
+    /// Share of light that gets along a ray that begins in `media` to the lens, so many metres
+    /// away, where nothing is in between but what may not be there for it.
+    pub fn light_before_lens(&mut self, ray: &Ray, distance: f32, media: Media) -> Rgb {
+        let bodies = self.scene.bodies();
+        if !bodies.have_hidden_walls() && !self.scene.sees_through_backs() {
             return bodies.transmittance(media, distance);
         }
-        self.light_through(&ray.ending(distance), distance, media)
+        self.light_through(&ray.ending(distance).aimed_at(LENS), distance, media)
     }
 
     /// Share of light that gets along a ray that begins in `media` to its end, so many metres away.
@@ -286,6 +297,9 @@ impl<'a> Tracer<'a> {
 
     #[inline(never)]
     fn light_through(&mut self, ray: &Ray, distance: f32, media: Media) -> Rgb {
+        if self.leaves_unseen(ray) {
+            return Rgb::BLACK;
+        }
         let bodies = self.scene.bodies();
         let all = bodies.transmittance(media, distance);
         if !bodies.have_leaks() {
@@ -307,7 +321,7 @@ impl<'a> Tracer<'a> {
         let mut from = 0.0;
         while let Some(met) = self.next_met(ray, &mut hits, media) {
             // Walls in the place that the ray ends at are part of what it was aimed at.
-            let has_target = ray.aims_at() != NO_TRIANGLE;
+            let has_target = triangle_of(ray.aims_at()).is_some();
             if has_target
                 && met.crossing.is_some()
                 && met.hit.t + self.reach(&met.hit, ray) >= ray.t_max()
@@ -349,7 +363,7 @@ impl<'a> Tracer<'a> {
             let Some((wall, ng)) = self.wall(&first) else {
                 return Some(Met {
                     hit: first,
-                    opacity: self.opacity(&first),
+                    opacity: self.opacity(ray, &first),
                     crossing: None,
                 });
             };
@@ -383,7 +397,7 @@ impl<'a> Tracer<'a> {
             let (hit, wall, is_entered, ng) = deciding;
             return Some(Met {
                 hit,
-                opacity: self.opacity(&hit),
+                opacity: self.opacity(ray, &hit),
                 crossing: Some((bodies.crossing(media, (wall, is_entered), others), ng)),
             });
         }

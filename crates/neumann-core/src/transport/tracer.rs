@@ -8,6 +8,7 @@ use crate::bsdf::Bsdf;
 use crate::endpoint::{Aim, SurfacePoint};
 use crate::material::{Material, SurfaceInputs};
 use crate::math::lanes::{LANES, lanes_of};
+use crate::math::ray::triangle_of;
 use crate::math::{Frame, Ray};
 use crate::radiometry::Rgb;
 use crate::scene::Scene;
@@ -83,7 +84,7 @@ impl<'a> Tracer<'a> {
             return self.first_that_stops(ray);
         }
         let hit = met.hit?;
-        if self.scene.has_alpha() && self.opacity(&hit) < 1.0 {
+        if self.scene.lets_rays_pass() && self.opacity(ray, &hit) < 1.0 {
             return self.first_that_stops(ray);
         }
         Some(hit)
@@ -102,9 +103,10 @@ impl<'a> Tracer<'a> {
     pub(crate) fn hits(&mut self, rays: &RayLanes) -> HitLanes {
         self.n_rays += u64::from(rays.mask().count_ones());
         let (mut found, mut open) = self.scene.bvh().closest_hits(rays);
-        if self.scene.has_alpha() {
+        if self.scene.lets_rays_pass() {
             for lane in lanes_of(rays.mask()) {
-                let is_open = found[lane].is_some_and(|hit| self.opacity(&hit) < 1.0);
+                let is_open =
+                    found[lane].is_some_and(|hit| self.opacity(&rays.get(lane), &hit) < 1.0);
                 open |= u32::from(is_open) << lane;
             }
         }
@@ -121,7 +123,7 @@ impl<'a> Tracer<'a> {
     /// As [`Self::transmittance`], of the rays of all lanes; 1 where there is no ray.
     #[inline]
     pub(crate) fn transmittances(&mut self, rays: &RayLanes) -> [f32; LANES] {
-        if self.scene.has_alpha() {
+        if self.scene.lets_rays_pass() && (self.scene.has_alpha() || rays.meet_lens()) {
             let mut shares = [1.0; LANES];
             for lane in lanes_of(rays.mask()) {
                 shares[lane] = self.transmittance(&rays.get(lane));
@@ -158,7 +160,7 @@ impl<'a> Tracer<'a> {
             return 1.0;
         }
         self.n_rays += 1;
-        if self.scene.has_alpha() {
+        if self.scene.lets_rays_pass() && (self.scene.has_alpha() || ray.meets_lens()) {
             return self.transmittance_of_all(ray);
         }
         match self.scene.bvh().look(ray) {
@@ -333,7 +335,7 @@ impl<'a> Tracer<'a> {
     #[inline(never)]
     fn first_that_stops(&self, ray: &Ray) -> Option<Hit> {
         crossings::first(self.scene, ray, |hit| {
-            let opacity = self.opacity(hit);
+            let opacity = self.opacity(ray, hit);
             opacity >= 1.0 || (opacity > 0.0 && chance(ray, hit.triangle) < opacity)
         })
     }
@@ -342,19 +344,55 @@ impl<'a> Tracer<'a> {
     /// they come.
     #[inline(never)]
     fn transmittance_of_all(&self, ray: &Ray) -> f32 {
-        crossings::transmittance(self.scene, ray, |hit| 1.0 - self.opacity(hit))
+        if self.leaves_unseen(ray) {
+            return 0.0;
+        }
+        crossings::transmittance(self.scene, ray, |hit| 1.0 - self.opacity(ray, hit))
     }
 
-    pub(super) fn opacity(&self, hit: &Hit) -> f32 {
+    /// Probability with which a surface stops a ray there: 0 for a back that the camera looks
+    /// through, and for an unlit surface with such a back to all but the camera.
+    pub(crate) fn opacity(&self, ray: &Ray, hit: &Hit) -> f32 {
+        if !self.scene.has_alpha() && !ray.meets_lens() {
+            return 1.0;
+        }
         let geometry = self.scene.geometry();
         let facet = geometry.facet(hit.triangle);
         let mesh = &geometry.meshes()[facet.mesh as usize];
         let material = &self.scene.materials()[mesh.material as usize];
+        if self.scene.sees_through_backs() && material.is_one_sided() {
+            let is_in_the_way = ray.meets_lens() || !material.is_unlit();
+            if ray.shows_back_of(facet.ng) || !is_in_the_way {
+                return 0.0;
+            }
+        }
         if !material.has_alpha() {
             return 1.0;
         }
         let vertices = facet.vertices();
         material.opacity(&attributes(mesh, vertices, hit.barycentrics).inputs())
+    }
+
+    /// True if a ray to the lens leaves a surface at its back, and the camera looks through that.
+    pub(crate) fn leaves_unseen(&self, ray: &Ray) -> bool {
+        let Some(triangle) = triangle_of(ray.leaves()).filter(|_| ray.meets_lens()) else {
+            return false;
+        };
+        self.scene.sees_through_backs() && self.is_back_at(ray, triangle)
+    }
+
+    /// True if the camera at one end of a ray sees the back of what the ray has met there, and may
+    /// look through that.
+    pub(crate) fn is_back(&self, ray: &Ray, hit: &Hit) -> bool {
+        self.is_back_at(ray, hit.triangle)
+    }
+
+    fn is_back_at(&self, ray: &Ray, triangle: u32) -> bool {
+        let geometry = self.scene.geometry();
+        let facet = geometry.facet(triangle);
+        let mesh = &geometry.meshes()[facet.mesh as usize];
+        let material = &self.scene.materials()[mesh.material as usize];
+        material.is_one_sided() && ray.shows_back_of(facet.ng)
     }
 }
 

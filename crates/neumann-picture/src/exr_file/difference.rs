@@ -91,6 +91,10 @@ impl Metadata {
         if self.appearance != other.appearance {
             found.push(Difference::only("materials and lights"));
         }
+        if self.backs != other.backs {
+            let names = (self.backs.name(), other.backs.name());
+            found.push(Difference::new("backs", names.0, names.1));
+        }
         found
     }
 }

@@ -9,7 +9,7 @@ use neumann_core::integrator::parameter_name;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::RenderSettings;
 use neumann_core::scene::description::{CameraDescription, EnvironmentDescription, Projection};
-use neumann_core::scene::{Appearance, Scene};
+use neumann_core::scene::{Appearance, Backs, Scene};
 
 use super::IterationRanges;
 
@@ -40,6 +40,8 @@ pub struct Metadata {
     pub environment: String,
     /// Materials and lights, by [`appearance_text`]: they may have been edited since they were loaded.
     pub appearance: String,
+    /// What the camera makes of backs; solid where the header says nothing.
+    pub backs: Backs,
     /// Contributions refused because they were not finite or negative.
     pub n_refused: u64,
 }
@@ -68,6 +70,7 @@ impl Metadata {
             camera: camera_text(&settings.camera),
             environment: environment_text(scene.appearance().environment.as_deref()),
             appearance: appearance_text(scene.appearance()),
+            backs: scene.appearance().backs,
             ..Self::default()
         }
     }
@@ -111,6 +114,7 @@ impl Metadata {
             ("camera", text(&self.camera)),
             ("environment", text(&self.environment)),
             ("appearance", text(&self.appearance)),
+            ("backs", text(self.backs.name())),
             ("refused", text(&self.n_refused.to_string())),
         ];
         for (name, value) in entries {
@@ -173,6 +177,10 @@ impl Metadata {
             camera: string("camera")?,
             environment: string("environment")?,
             appearance: string("appearance")?,
+            backs: match value("backs") {
+                Ok(_) => Backs::named(&string("backs")?).ok_or("backs")?,
+                Err(_) => Backs::Solid,
+            },
             n_refused: number("refused")?,
         })
     }

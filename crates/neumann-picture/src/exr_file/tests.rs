@@ -2,6 +2,7 @@ use glam::{Mat4, Vec3};
 use neumann_core::film::{Features, Film};
 use neumann_core::memory::Share;
 use neumann_core::radiometry::Rgb;
+use neumann_core::scene::Backs;
 use neumann_core::scene::description::{
     CameraDescription, EnvironmentDescription, Lens, Projection, SunDescription,
 };
@@ -49,6 +50,7 @@ fn metadata() -> Metadata {
         camera: "perspective 0.7; pinhole; 1 0 0".to_owned(),
         environment: "none".to_owned(),
         appearance: "0123".to_owned(),
+        backs: Backs::SeeThrough,
         n_refused: 3,
     }
 }

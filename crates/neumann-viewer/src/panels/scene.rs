@@ -1,12 +1,16 @@
 //! The scene: what it is, where others are, its cameras, lights, materials and environment.
 
 use egui::{Key, Ui};
+use neumann_core::scene::Backs;
 use neumann_core::scene::builtin::BUILTINS;
 
 use crate::app::App;
+use crate::notices::Offer;
 use crate::scene_source::Wanted;
 use crate::theme::GRID;
-use crate::widgets::{button, fact, fold, heading, hint, paragraph, row_button, text_field};
+use crate::widgets::{
+    button, fact, fold, heading, hint, paragraph, row_button, switch, text_field,
+};
 
 pub(super) fn show(ui: &mut Ui, app: &mut App) {
     about(ui, app);
@@ -43,6 +47,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
     }
     if app.setup.open.is_some() {
         cameras(ui, app);
+        backs(ui, app);
         super::lights::show(ui, app);
         super::materials::show(ui, app);
         warnings(ui, app);
@@ -98,6 +103,25 @@ fn cameras(ui: &mut Ui, app: &mut App) {
     if let Some(i) = chosen {
         app.setup.take_camera(i);
     }
+}
+
+/// Whether the camera looks through the backs of single-sided surfaces, where there are any.
+fn backs(ui: &mut Ui, app: &mut App) {
+    let Some(open) = &app.setup.open else { return };
+    if !open.scene.has_backs() {
+        return;
+    }
+    let mut is_on = open.scene.appearance().backs == Backs::SeeThrough;
+    let response = switch(ui, "look through backs", &mut is_on);
+    if response.changed() {
+        app.notices.withdraw(Offer::LookThroughBacks);
+        let backs = [Backs::Solid, Backs::SeeThrough][usize::from(is_on)];
+        app.setup.choose_backs(backs);
+    }
+    response.on_hover_text(
+        "Single-sided surfaces that the camera sees from behind are left out: the walls of a room \
+         from outside, the hull that draws a model's outline. To light they stay solid, unless they are unlit.",
+    );
 }
 
 fn warnings(ui: &mut Ui, app: &App) {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use neumann_core::film::Features;
 use neumann_core::scene::Scene;
-use neumann_core::scene::description::{CameraDescription, Lens, Projection};
+use neumann_core::scene::description::{CAMERA_LENGTHS, CameraDescription, Lens, Projection};
 
 use super::CameraArguments;
 use crate::failure::{Outcome, bad_input};
@@ -106,7 +106,7 @@ fn focus(arguments: &CameraArguments, scene: &Scene, camera: &mut CameraDescript
         focus_distance,
     };
     if let Some(fault) = lens.fault() {
-        let option = if arguments.focus.is_some() {
+        let option = if arguments.focus.is_some() && CAMERA_LENGTHS.contains(&aperture) {
             "--focus"
         } else {
             "--aperture"
@@ -198,7 +198,17 @@ mod tests {
         assert!(with(None, Some(3.0)).is_err());
         // Rays through such a lens would not be finite.
         for (aperture, focus) in [(1.0, 1e-22), (1.0, 1e-5), (1e-20, 1.0), (1e20, 1e20)] {
-            assert!(with(Some(aperture), Some(focus)).is_err());
+            let error = with(Some(aperture), Some(focus)).unwrap_err().to_string();
+            let expected = if !(1e-12..=1e12).contains(&aperture) {
+                format!("--aperture: an aperture of {aperture:e} m is not between")
+            } else {
+                "--focus: a".to_owned()
+            };
+            assert!(error.starts_with(&expected), "{error}");
+            assert!(
+                !error.contains("0.00000") && !error.contains("00000"),
+                "{error}"
+            );
         }
     }
 }

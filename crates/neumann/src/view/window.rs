@@ -105,6 +105,7 @@ fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
             intensity: environment.env_intensity,
             rotation: environment.env_rotation,
         },
+        backs: settings.backs,
         max_bounces: Some(settings.max_bounces),
         layers: Some(settings.layers as usize),
         seed: Some(settings.seed),

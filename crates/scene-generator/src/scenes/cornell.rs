@@ -109,7 +109,7 @@ fn measured([x, y, z]: [f64; 3]) -> DVec3 {
 fn block(corners: [[f64; 2]; 4], height: f64) -> Mesh {
     let at = |i: usize, y: f64| measured([corners[i % 4][0], y, corners[i % 4][1]]);
     let sides =
-        (0..4).map(|i| Mesh::quad([at(i + 1, 0.0), at(i, 0.0), at(i, height), at(i + 1, height)]));
+        (0..4).map(|i| Mesh::quad([at(i, 0.0), at(i + 1, 0.0), at(i + 1, height), at(i, height)]));
     let top = Mesh::quad([0, 1, 2, 3].map(|i| at(i, height)));
     Mesh::union(sides.chain([top]))
 }

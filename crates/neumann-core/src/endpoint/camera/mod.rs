@@ -10,6 +10,7 @@ use glam::{BVec3, Vec2, Vec3};
 
 use super::{Aim, Spread, StartDensities};
 use crate::math::Ray;
+use crate::math::ray::LENS;
 use crate::radiometry::Rgb;
 use crate::sampling::warp;
 use crate::scene::description::{CameraDescription, Lens, Projection};
@@ -130,7 +131,8 @@ impl Camera {
                 ray: Ray::new(
                     self.position + self.right * film.x + self.up * film.y,
                     self.forward,
-                ),
+                )
+                .leaving(LENS),
                 densities: StartDensities {
                     pdf_a: 1.0 / self.film_area,
                     pdf_w: 1.0,
@@ -156,7 +158,7 @@ impl Camera {
                 let cos = direction.dot(self.forward);
                 let pdf_w = self.pdf_w(cos);
                 CameraRay {
-                    ray: Ray::new(origin, direction),
+                    ray: Ray::new(origin, direction).leaving(LENS),
                     densities: StartDensities {
                         pdf_a: 1.0 / self.lens_area,
                         pdf_w,
@@ -258,7 +260,8 @@ impl Camera {
         let raster = self.raster_of(on_lens, direction)?;
         let origin = self.position + self.right * on_lens.x + self.up * on_lens.y;
         let importance = self.width * self.height * self.pdf_w(cos);
-        Some((Ray::new(origin, direction), raster, importance))
+        let ray = Ray::new(origin, direction).leaving(LENS);
+        Some((ray, raster, importance))
     }
 
     /// Where a ray that light travels along meets a lens of finite size, before `t_max`, from the front.

@@ -116,7 +116,13 @@ pub fn splat(
     weighing: &Weighing,
 ) -> Option<(Vec2, Contribution)> {
     let splat = splat_unshadowed(camera, vertex, u, weighing)?;
-    let value = splat.value * seen(tracer, vertex, &splat.aim)? / n_light_paths as f32;
+    let surface = &vertex.surface;
+    let media = surface.media_towards(splat.aim.wi, vertex.media);
+    let light = tracer.light_to_lens(&surface.point, &splat.aim, media);
+    if light.is_black() {
+        return None;
+    }
+    let value = splat.value * light / n_light_paths as f32;
     let strategy = Strategy::connect(vertex.n_vertices, 1);
     Some((
         splat.raster,
@@ -165,11 +171,12 @@ pub fn hit_lens(
     if walk.n_vertices < 2 {
         return None;
     }
-    // What was found may be a wall that is not there for light in these media.
-    let nearest = found.filter(|_| !tracer.scene.bodies().have_hidden_walls());
+    // What was found may not be there for light in these media, or for the lens.
+    let is_open = tracer.scene.bodies().have_hidden_walls() || tracer.scene.sees_through_backs();
+    let nearest = found.filter(|_| !is_open);
     let nearest = nearest.map_or(f32::INFINITY, |hit| hit.t);
     let lens = camera.hit_lens(&walk.ray, nearest)?;
-    let light = tracer.light_before(&walk.ray, lens.distance, walk.media);
+    let light = tracer.light_before_lens(&walk.ray, lens.distance, walk.media);
     let distance_squared = lens.distance * lens.distance;
     let partial = weighing.arrive(walk.partial, distance_squared, lens.cos);
     let mis_weight = weighing.lens(partial, &lens);
@@ -278,7 +285,10 @@ pub fn see_light(
         let (_, light) = lights.of_triangle(triangle)?;
         let sent = |wo| light.sent(barycentrics, wo);
         let (raster, value, aim) = see_panel_unshadowed(camera, start, u, sent)?;
-        (raster, value * tracer.light_to(&start.point(), &aim, media))
+        (
+            raster,
+            value * tracer.light_to_lens(&start.point(), &aim, media),
+        )
     } else if start.is_delta_position || start.is_delta_direction {
         return None;
     } else {

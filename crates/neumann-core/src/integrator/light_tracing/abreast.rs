@@ -258,7 +258,7 @@ impl Sight {
     /// Sets the ray that tells whether a point is seen from another one so far away along `wi`.
     #[inline(always)]
     fn set_ray(&mut self, lane: usize, point: &SurfacePoint, wi: Vec3, distance: f32) {
-        let segment = point.segment(point.position + wi * distance);
+        let segment = point.segment_to_lens(point.position + wi * distance);
         self.rays.set_segment(lane, &segment);
         self.is_apart.set(lane, u32::from(is_segment(&segment)));
     }

@@ -186,7 +186,7 @@ fn see_vertex(
 ) -> Option<Seen> {
     let (seen, aim) = see_unshadowed(camera, vertex, u)?;
     let media = vertex.media_towards(aim.wi, media);
-    let light = tracer.light_to(&vertex.point, &aim, media);
+    let light = tracer.light_to_lens(&vertex.point, &aim, media);
     (!light.is_black()).then(|| Seen {
         share: seen.share * light,
         ..seen

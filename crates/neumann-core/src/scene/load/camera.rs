@@ -7,7 +7,7 @@ use glam::Mat4;
 use super::error::{Fault, quoted};
 use super::json::{Document, Item};
 use super::notes::Notes;
-use crate::scene::description::{CAMERA_LENGTHS, CameraDescription, Lens, Projection};
+use crate::scene::description::{CAMERA_LENGTHS, CameraDescription, Lens, Projection, short};
 
 /// The camera that a node carries, if any; one that cannot see is left out.
 pub(super) fn read(
@@ -52,8 +52,9 @@ pub(super) fn read(
             let ymag = lengths.number("ymag")?.unwrap_or(0.0).abs();
             if !CAMERA_LENGTHS.contains(&ymag) {
                 return left_out(format!(
-                    "{} is {ymag}, not between 1e-12 and 1e12",
-                    lengths.path("ymag")
+                    "{} is {}, not between 1e-12 and 1e12",
+                    lengths.path("ymag"),
+                    short(ymag)
                 ));
             }
             (Projection::Orthographic { ymag }, Some(xmag / ymag))

@@ -153,7 +153,7 @@ fn see_lanes(vertices: &VertexLanes<'_>, sight: &mut Sight, camera: &Camera, wei
         sight.raster[0].set(lane, raster.x);
         sight.raster[1].set(lane, raster.y);
         let point = &vertex.surface.point;
-        let segment = point.segment(point.position + wi * distance);
+        let segment = point.segment_to_lens(point.position + wi * distance);
         sight.rays.set_segment(lane, &segment);
         sight.is_seen.set(lane, u32::from(is_seen));
         sight.is_apart.set(lane, u32::from(is_segment(&segment)));

@@ -191,7 +191,6 @@ impl App {
     /// Takes over a scene that is ready.
     pub fn take_scene(&mut self, source: String, scene: Arc<Scene>) {
         let warnings = scene.warnings().to_vec();
-        let has_default_sky = scene.has_default_sky();
         if self.options.exposure == Exposure::ForScene {
             self.expose_for(&source);
         }
@@ -209,12 +208,18 @@ impl App {
             self.setup.apply_environment(&self.options.environment);
         }
         self.tell_warnings(&warnings);
-        if has_default_sky {
+        self.tell_of_sky();
+        self.tell_of_backs();
+    }
+
+    /// Offers to take away a sky that was added.
+    fn tell_of_sky(&mut self) {
+        let Some(open) = &self.setup.open else { return };
+        if open.scene.has_default_sky() {
             // The last of the warnings says why.
-            let why = warnings.last().map_or("", String::as_str);
+            let why = open.scene.warnings().last().map_or("", String::as_str);
             self.notices.offer(why, "Remove sky", Offer::RemoveSky);
         }
-        self.tell_of_backs();
     }
 
     /// Offers to look through backs that hide much of what the camera is to see.
@@ -272,7 +277,13 @@ impl App {
     fn accept(&mut self, offer: Offer) {
         match offer {
             Offer::RemoveSky => self.setup.choose_sky(None),
-            Offer::LookThroughBacks => self.setup.choose_backs(Backs::SeeThrough),
+            Offer::LookThroughBacks => {
+                self.setup.choose_backs(Backs::SeeThrough);
+                // What was behind them may stand in the dark.
+                if self.setup.add_sky_where_dim() {
+                    self.tell_of_sky();
+                }
+            }
         }
     }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, Method, ParameterValues};
-use neumann_core::render::{RenderSettings, StopRule};
+use neumann_core::render::{RenderSettings, StopRule, lit};
 use neumann_core::scene::description::EnvironmentDescription;
 use neumann_core::scene::{Appearance, Backs, BetterTree, Scene, Sky};
 
@@ -201,6 +201,19 @@ impl Setup {
             open.scene = Arc::new(Scene::clone(&open.scene).with_backs(backs));
             self.is_changed = true;
         }
+    }
+
+    /// Adds the default sky where the scene's own light hardly shows what the camera sees; true if
+    /// it was added.
+    pub fn add_sky_where_dim(&mut self) -> bool {
+        let Some(open) = &mut self.open else {
+            return false;
+        };
+        if !open.scene.may_have_default_sky() {
+            return false;
+        }
+        open.scene = Arc::new(lit(Scene::clone(&open.scene)));
+        open.scene.has_default_sky()
     }
 
     /// Applies intensity and rotation of the environment.

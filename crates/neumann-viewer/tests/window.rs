@@ -17,7 +17,7 @@ use neumann_core::render::StopRule;
 use neumann_core::scene::Scene;
 use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::description::{
-    CameraDescription, InstanceDescription, MeshDescription, SceneDescription,
+    CameraDescription, InstanceDescription, MaterialDescription, MeshDescription, SceneDescription,
 };
 use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
@@ -450,4 +450,45 @@ fn backs_are_looked_through_at_a_click_and_solid_at_another() {
     click(&mut harness, "look through backs");
     assert!(started(&harness));
     assert_eq!(n_notices(&harness), 0);
+}
+
+/// The model in an unlit hull was shown by the hull alone: once that is looked through, it needs a
+/// sky.
+#[test]
+fn what_stands_in_the_dark_behind_backs_gets_a_sky() {
+    let mut harness = harness([1280.0, 960.0]);
+    let mesh = |z: f32, material| MeshDescription {
+        positions: vec![
+            Vec3::new(0.0, 0.0, z),
+            Vec3::new(1.0, 0.0, z),
+            Vec3::new(0.0, 1.0, z),
+        ],
+        // The front of the first is away from the camera.
+        triangles: vec![if material == 0 { [0, 2, 1] } else { [0, 1, 2] }],
+        material: Some(material),
+        ..MeshDescription::default()
+    };
+    let instance = |mesh| InstanceDescription {
+        name: String::new(),
+        mesh,
+        world_from_mesh: Mat4::IDENTITY,
+    };
+    let hull = MaterialDescription {
+        is_unlit: true,
+        ..MaterialDescription::default()
+    };
+    let scene = Scene::build(&SceneDescription {
+        meshes: vec![mesh(0.01, 0), mesh(0.0, 1)],
+        materials: vec![hull, MaterialDescription::default()],
+        instances: vec![instance(0), instance(1)],
+        ..SceneDescription::default()
+    });
+    let app = harness.state_mut();
+    app.take_scene("hull.glb".to_owned(), Arc::new(scene));
+    harness.run_steps(2);
+    assert_eq!(sky_of(&harness), None);
+    click(&mut harness, "Look through");
+    assert_eq!(sky_of(&harness).as_deref(), Some("studio"));
+    click(&mut harness, "Remove sky");
+    assert_eq!(sky_of(&harness), None);
 }

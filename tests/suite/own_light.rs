@@ -111,6 +111,21 @@ fn a_lamp_that_lights_what_is_seen_is_one() {
         Vec3::Z,
     );
     assert!(!gets_sky(&stage));
+    // A spot on a stage that is dark otherwise; not if it is put out.
+    for intensity in [40.0, 1e-4] {
+        let mut stage = Stage::default();
+        let floor = rectangle(Vec3::ZERO, Vec3::Z * 3.0, Vec3::X * 3.0);
+        stage.add("floor", floor, lambert(0.6));
+        let kind = LightKind::Spot {
+            intensity: Rgb::splat(intensity),
+            inner_cone: 0.10,
+            outer_cone: 0.14,
+        };
+        stage.light(kind, Vec3::new(0.5, 3.0, 0.5), Vec3::NEG_Y);
+        let camera = looking(Vec3::new(0.0, 3.0, 3.0), Vec3::ZERO);
+        stage.description.cameras.push(camera);
+        assert_eq!(gets_sky(&stage), intensity < 1.0, "{intensity}");
+    }
 }
 
 #[test]

@@ -4,7 +4,8 @@
 //! leaves nearly all that is seen black. A pilot render of a few hundred pixels by
 //! the default method tells such a scene from a room lit by its lamp: the median
 //! of what a white surface would show, over the pixels that do not glow
-//! themselves. It is the same on every machine, since it is a render like any other.
+//! themselves. Where somebody has set up lamps (punctual lights), one pixel that they light is
+//! enough: the rest is dark because it is meant to be. It is the same on every machine, since it is a render like any other.
 
 use std::sync::Arc;
 
@@ -59,8 +60,13 @@ struct PilotPixel {
 }
 
 fn is_dim(scene: &Arc<Scene>) -> bool {
+    let deciding = if scene.appearance().lights.is_empty() {
+        Deciding::Median
+    } else {
+        Deciding::Brightest
+    };
     // Without threads there will be no picture either.
-    WorkerPool::new(Some(1), || ()).is_ok_and(|pool| judge(&pilot(scene, &pool)))
+    WorkerPool::new(Some(1), || ()).is_ok_and(|pool| judge(&pilot(scene, &pool), deciding))
 }
 
 /// The pixels of the pilot that show a surface.
@@ -93,8 +99,15 @@ fn pilot(scene: &Arc<Scene>, pool: &WorkerPool) -> Vec<PilotPixel> {
         .collect()
 }
 
+/// Which pixel says whether a scene is dim.
+#[derive(Clone, Copy, Debug)]
+enum Deciding {
+    Median,
+    Brightest,
+}
+
 /// True if what does not glow itself is dim.
-fn judge(pixels: &[PilotPixel]) -> bool {
+fn judge(pixels: &[PilotPixel], deciding: Deciding) -> bool {
     let is_unlike_emitter = |pixel: &&PilotPixel| pixel.glow < GLOW;
     let mut lit: Vec<f32> = pixels
         .iter()
@@ -105,12 +118,16 @@ fn judge(pixels: &[PilotPixel]) -> bool {
         return false;
     }
     lit.sort_unstable_by(f32::total_cmp);
-    let median = lit.get(lit.len() / 2).copied().unwrap_or(0.0);
+    let deciding = match deciding {
+        Deciding::Median => lit.get(lit.len() / 2),
+        Deciding::Brightest => lit.last(),
+    };
+    let deciding = deciding.copied().unwrap_or(0.0);
     let brightest = pixels.iter().map(|pixel| pixel.glow).fold(0.0, f32::max);
     let floor = if brightest >= GLOW {
         DIM_BESIDE_EMITTER * brightest
     } else {
         DARK
     };
-    median < floor.min(DIM)
+    deciding < floor.min(DIM)
 }

@@ -8,8 +8,8 @@
 use glam::Vec3;
 
 use super::Hit;
-use super::traverse::{AXES, BoxHits, FAR_PADDING, Prepared, slack_of_depth, slack_of_origin};
-use super::wide::{Node, WIDTH};
+use super::traverse::{AXES, FAR_PADDING, Prepared, most_slack, slack_of_depth, slack_of_origin};
+use super::wide::{Node, WIDTH, WideTree};
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of};
 use crate::math::ray::{LENS, NO_TRIANGLE};
@@ -78,6 +78,12 @@ impl RayLanes {
     #[inline(always)]
     pub(super) fn ends(&self) -> &Lanes<f32> {
         &self.end
+    }
+
+    /// The triangles that the rays start on, and those that they end on.
+    #[inline(always)]
+    pub(super) fn triangles(&self) -> [&Lanes<u32>; 2] {
+        [&self.leaves, &self.aims_at]
     }
 
     /// Where the ray of a lane starts.
@@ -156,7 +162,8 @@ impl RayLanes {
 }
 
 /// [`Prepared`], in each lane.
-pub(super) struct PreparedLanes {
+pub(super) struct PreparedLanes<'a> {
+    rays: &'a RayLanes,
     pub(super) origin: Vec3Lanes,
     pub(super) inverse: [Lanes<f32>; 3],
     /// 1 where the direction is negative along an axis.
@@ -165,20 +172,21 @@ pub(super) struct PreparedLanes {
     pub(super) along: Lanes<u32>,
     pub(super) shear: [Lanes<f32>; 3],
     pub(super) slack: Lanes<f32>,
-    pub(super) ends: [Lanes<u32>; 2],
+    most_slack: Lanes<f32>,
 }
 
-impl PreparedLanes {
+impl<'a> PreparedLanes<'a> {
     #[inline(always)]
-    pub(super) fn new(rays: &RayLanes) -> Self {
+    pub(super) fn new(tree: &WideTree, rays: &'a RayLanes) -> Self {
         let mut prepared = Self {
+            rays,
             origin: rays.origin,
             inverse: [Lanes::default(); 3],
             is_negative: [Lanes::default(); 3],
             along: Lanes::default(),
             shear: [Lanes::default(); 3],
             slack: Lanes::default(),
-            ends: [rays.leaves, rays.aims_at],
+            most_slack: Lanes::default(),
         };
         for lane in 0..LANES {
             let d = rays.direction.get(lane).to_array();
@@ -224,6 +232,9 @@ impl PreparedLanes {
             prepared.shear[2].set(lane, scale);
             let reach = rays.origin.get(lane).abs().max_element();
             prepared.slack.set(lane, slack_of_origin(reach, scale));
+            prepared
+                .most_slack
+                .set(lane, most_slack(tree, reach, reach, scale));
         }
         prepared
     }
@@ -241,12 +252,13 @@ impl PreparedLanes {
             shear: [0, 1, 2].map(|axis| self.shear[axis].get(lane)),
             slack: self.slack.get(lane),
             slack_of_depth: slack_of_depth(self.shear[2].get(lane)),
-            ends: [0, 1].map(|end| self.ends[end].get(lane)),
+            most_slack: self.most_slack.get(lane),
+            ends: self.rays.triangles().map(|lanes| lanes.get(lane)),
         }
     }
 }
 
-/// [`BoxHits`], in each lane.
+/// [`BoxHits`](super::traverse::BoxHits), in each lane.
 #[derive(Default)]
 pub(super) struct BoxHitLanes {
     near: [Lanes<f32>; WIDTH],
@@ -256,7 +268,7 @@ pub(super) struct BoxHitLanes {
 impl BoxHitLanes {
     /// The children of a node that the rays meet.
     #[inline(always)]
-    pub(super) fn new(node: &Node, rays: &RayLanes, prepared: &PreparedLanes) -> Self {
+    pub(super) fn new(node: &Node, rays: &RayLanes, prepared: &PreparedLanes<'_>) -> Self {
         let mut hits = Self::default();
         for child in 0..WIDTH {
             let low = [0, 2, 4].map(|row| node.bounds[row][child]);
@@ -288,12 +300,15 @@ impl BoxHitLanes {
         hits
     }
 
-    /// Those of one lane.
+    /// The children that the ray of a lane meets, one bit for each.
     #[inline(always)]
-    pub(super) fn get(&self, lane: usize) -> BoxHits {
-        BoxHits {
-            mask: self.mask.get(lane),
-            near: std::array::from_fn(|child| self.near[child].get(lane)),
-        }
+    pub(super) fn mask(&self, lane: usize) -> u32 {
+        self.mask.get(lane)
+    }
+
+    /// How far away the ray of a lane meets a child.
+    #[inline(always)]
+    pub(super) fn near(&self, child: usize, lane: usize) -> f32 {
+        self.near[child].get(lane)
     }
 }

@@ -8,14 +8,14 @@
 use std::arch::x86_64::{
     __m128, __m256, _CMP_EQ_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NEQ_UQ, _MM_HINT_T0,
     _mm_add_ps, _mm_and_ps, _mm_andnot_ps, _mm_castsi128_ps, _mm_cmp_ps, _mm_cmpeq_epi32,
-    _mm_div_ps, _mm_load_ps, _mm_load_si128, _mm_max_ps, _mm_movemask_ps, _mm_mul_ps, _mm_or_ps,
-    _mm_or_si128, _mm_prefetch, _mm_set1_epi32, _mm_set1_ps, _mm_setzero_ps, _mm_store_ps,
-    _mm_sub_ps, _mm256_cmp_ps, _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps,
-    _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_store_ps, _mm256_sub_ps,
+    _mm_div_ps, _mm_load_ps, _mm_load_si128, _mm_movemask_ps, _mm_mul_ps, _mm_or_ps, _mm_or_si128,
+    _mm_prefetch, _mm_set1_epi32, _mm_set1_ps, _mm_setzero_ps, _mm_store_ps, _mm_sub_ps,
+    _mm256_cmp_ps, _mm256_load_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
+    _mm256_set1_ps, _mm256_setzero_ps, _mm256_store_ps, _mm256_sub_ps,
 };
 
 use super::traverse::{BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
-use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
+use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree, leaf_of};
 
 pub(super) struct Avx2;
 
@@ -144,6 +144,22 @@ pub(super) mod avx512 {
     compile_for!("avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq");
 }
 
+/// The triangles of a leaf that a ray starts and ends on.
+///
+/// # Safety
+/// It must be inlined into a function that has the features.
+#[inline(always)]
+unsafe fn at_ends(leaf: &Leaf, ray: &Prepared) -> __m128 {
+    // SAFETY: the caller's; indices are four numbers at a multiple of 16 bytes.
+    unsafe {
+        let triangles = _mm_load_si128(leaf.triangles.as_ptr().cast());
+        let [starts, ends] = ray
+            .ends
+            .map(|end| _mm_cmpeq_epi32(triangles, _mm_set1_epi32(end as i32)));
+        _mm_castsi128_ps(_mm_or_si128(starts, ends))
+    }
+}
+
 impl Kernel for Avx2 {
     #[inline(always)]
     fn meet_boxes(node: &Node, ray: &Prepared, t_max: f32) -> BoxHits {
@@ -227,11 +243,7 @@ impl Kernel for Avx2 {
                 return LaneHits::NONE;
             }
             // Many rays start on one of the triangles that are left.
-            let triangles = _mm_load_si128(leaf.triangles.as_ptr().cast());
-            let [starts, ends] = ray
-                .ends
-                .map(|end| _mm_cmpeq_epi32(triangles, _mm_set1_epi32(end as i32)));
-            let is_inside = _mm_andnot_ps(_mm_castsi128_ps(_mm_or_si128(starts, ends)), is_inside);
+            let is_inside = _mm_andnot_ps(at_ends(leaf, ray), is_inside);
             if _mm_movemask_ps(is_inside) == 0 {
                 return LaneHits::NONE;
             }
@@ -241,13 +253,7 @@ impl Kernel for Avx2 {
                 _mm_mul_ps(w, c[2]),
             );
             let t = _mm_mul_ps(_mm_mul_ps(sz, scaled), inverse);
-            let magnitude = |x| _mm_andnot_ps(_mm_set1_ps(-0.0), x);
-            let depth = _mm_max_ps(magnitude(a[2]), magnitude(b[2]));
-            let depth = _mm_max_ps(depth, magnitude(c[2]));
-            let slack = _mm_add_ps(
-                _mm_mul_ps(depth, _mm_set1_ps(ray.slack_of_depth)),
-                _mm_set1_ps(ray.slack),
-            );
+            let slack = _mm_set1_ps(ray.most_slack);
             let is_between = _mm_and_ps(
                 _mm_cmp_ps::<_CMP_GT_OQ>(_mm_add_ps(t, slack), zero),
                 _mm_cmp_ps::<_CMP_LT_OQ>(_mm_sub_ps(t, slack), _mm_set1_ps(t_max)),
@@ -263,10 +269,15 @@ impl Kernel for Avx2 {
                 hits.t = stored(t);
                 hits.v = stored(_mm_mul_ps(v, inverse));
                 hits.w = stored(_mm_mul_ps(w, inverse));
-                hits.slack = stored(slack);
             }
             hits
         }
+    }
+
+    #[inline(always)]
+    fn is_at_end(leaf: &Leaf, ray: &Prepared) -> bool {
+        // SAFETY: as above.
+        unsafe { _mm_movemask_ps(at_ends(leaf, ray)) != 0 }
     }
 
     #[inline(always)]
@@ -282,7 +293,7 @@ impl Kernel for Avx2 {
                     .wrapping_add(child as usize)
                     .cast::<i8>()
             } else {
-                let leaf = (child & !LEAF) as usize;
+                let leaf = leaf_of(child);
                 tree.leaves.as_ptr().wrapping_add(leaf).cast::<i8>()
             };
             _mm_prefetch::<_MM_HINT_T0>(start);

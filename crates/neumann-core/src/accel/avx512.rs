@@ -23,7 +23,7 @@ use super::abreast::{PreparedLanes, RayLanes};
 use super::avx2::Avx2;
 use super::bvh::{Best as BestOfOne, Sight};
 use super::traverse::{self, DEPTH_SLACK, FAR_PADDING, SightLanes};
-use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, SMALL_LEAVES, WIDTH, WideTree};
+use super::wide::{FLAT, LEAF, LEAF_SIZE, Leaf, Node, SMALL_LEAVES, WIDTH, WideTree, leaf_of};
 use crate::math::lanes::{Lanes, lanes_of};
 
 pub(super) fn closest_of_lanes(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) -> u32 {
@@ -38,7 +38,7 @@ pub(super) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> SightLanes {
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
 fn closest_with_features(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) -> u32 {
-    let prepared = PreparedLanes::new(rays);
+    let prepared = PreparedLanes::new(tree, rays);
     let mut packet = Packet::new(tree, rays, &prepared);
     packet.walk::<false>(tree, rays.mask() as __mmask16);
     let found = packet.best.stored();
@@ -50,7 +50,7 @@ fn closest_with_features(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) -> 
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
 fn any_with_features(tree: &WideTree, rays: &RayLanes) -> SightLanes {
-    let prepared = PreparedLanes::new(rays);
+    let prepared = PreparedLanes::new(tree, rays);
     let mut packet = Packet::new(tree, rays, &prepared);
     packet.walk::<true>(tree, rays.mask() as __mmask16);
     let (stopped, unsure) = (packet.stopped, packet.as_near | packet.at_start);
@@ -62,7 +62,7 @@ fn any_with_features(tree: &WideTree, rays: &RayLanes) -> SightLanes {
 
 /// Rays as both tests need them, and what they have met so far.
 struct Packet<'a> {
-    prepared: &'a PreparedLanes,
+    prepared: &'a PreparedLanes<'a>,
     origin: [__m512; 3],
     inverse: [__m512; 3],
     is_negative: [__mmask16; 3],
@@ -132,7 +132,7 @@ fn store_integers(lanes: &mut Lanes<u32>, x: __m512i) {
 
 impl<'a> Packet<'a> {
     #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
-    fn new(tree: &WideTree, rays: &RayLanes, prepared: &'a PreparedLanes) -> Self {
+    fn new(tree: &WideTree, rays: &RayLanes, prepared: &'a PreparedLanes<'a>) -> Self {
         let origin = prepared.origin.axes().map(load);
         let along = load_integers(&prepared.along);
         let [is_y, is_z] =
@@ -162,7 +162,7 @@ impl<'a> Packet<'a> {
         let end = load(rays.ends());
         Self {
             prepared,
-            ends: prepared.ends.each_ref().map(load_integers),
+            ends: rays.triangles().map(load_integers),
             slack,
             twice,
             limit: _mm512_add_ps(end, twice),
@@ -203,7 +203,11 @@ impl<'a> Packet<'a> {
                     continue;
                 }
                 if link & LEAF != 0 {
-                    self.meet_leaf::<ANY>(&tree.leaves[(link & !LEAF) as usize], met);
+                    let leaf = &tree.leaves[leaf_of(link)];
+                    let met = met & !self.pass(link, leaf);
+                    if met != 0 {
+                        self.meet_leaf::<ANY>(leaf, met);
+                    }
                 } else {
                     nodes[n_nodes] = (link, met);
                     n_nodes += 1;
@@ -230,6 +234,23 @@ impl<'a> Packet<'a> {
         }
         far = _mm512_mul_ps(_mm512_min_ps(far, self.limit), _mm512_set1_ps(FAR_PADDING));
         _mm512_cmp_ps_mask::<_CMP_LE_OQ>(near, far)
+    }
+
+    /// Which rays meet nothing in a leaf, since they start or end on one of the triangles, which
+    /// lie in one plane.
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
+    #[inline]
+    fn pass(&self, link: u32, leaf: &Leaf) -> __mmask16 {
+        if link & FLAT == 0 {
+            return 0;
+        }
+        let mut pass = 0;
+        for triangle in leaf.triangles {
+            let index = _mm512_set1_epi32(triangle as i32);
+            let [starts, ends] = self.ends.map(|end| _mm512_cmpeq_epi32_mask(end, index));
+            pass |= starts | ends;
+        }
+        pass
     }
 
     /// Meets the triangles of a leaf.

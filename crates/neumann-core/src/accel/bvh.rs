@@ -150,7 +150,8 @@ impl Best {
     pub(super) fn offer(&mut self, hit: Hit, slack: f32) {
         let low = hit.t - slack;
         if low <= 0.0 {
-            self.is_start_clear = false;
+            let may_count = hit.t + slack > 0.0;
+            self.is_start_clear &= !may_count;
             if hit.t <= 0.0 {
                 return;
             }
@@ -160,7 +161,7 @@ impl Best {
             (self.hit, self.slack) = (hit, slack);
         } else {
             // A leaf that is not full has a triangle more than once.
-            self.is_alone &= low > self.end() || hit.triangle == self.hit.triangle;
+            self.is_alone &= low >= self.end() || hit.triangle == self.hit.triangle;
         }
     }
 

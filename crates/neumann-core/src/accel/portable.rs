@@ -119,16 +119,19 @@ impl Kernel for Portable {
             hits.t[lane] = t;
             hits.v[lane] = v[lane] * inverse;
             hits.w[lane] = w[lane] * inverse;
-            let larger = |a: f32, b: f32| if a > b { a } else { b };
-            let [a, b, c] = [0, 1, 2].map(|corner| z[corner][lane].abs());
-            let slack = larger(larger(a, b), c) * ray.slack_of_depth + ray.slack;
-            hits.slack[lane] = slack;
             let is_there = determinant != 0.0 && !ray.ends.contains(&leaf.triangles[lane]);
-            let is_between = t + slack > 0.0 && t - slack < t_max;
+            let is_between = t + ray.most_slack > 0.0 && t - ray.most_slack < t_max;
             let is_hit = !is_outside && is_there && is_between;
             hits.mask |= u32::from(is_hit) << lane;
         }
         hits
+    }
+
+    #[inline(always)]
+    fn is_at_end(leaf: &Leaf, ray: &Prepared) -> bool {
+        leaf.triangles
+            .iter()
+            .any(|triangle| ray.ends.contains(triangle))
     }
 
     #[inline(always)]

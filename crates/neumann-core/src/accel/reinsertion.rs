@@ -14,8 +14,11 @@ use super::binary::{BinaryNode, BinaryTree};
 const VISITS: usize = 512;
 /// A node is not moved if there are more above its new place.
 const DEEPEST: usize = 1024;
-/// Rounds; each takes one in 1, 3, 5, … of the nodes that the first takes.
+/// Rounds; each takes one in 1, 3, 5, … of the nodes that the first takes,
 const N_ROUNDS: usize = 16;
+/// but no fewer than this, if there are as many: in a small tree, a round that considers its larger
+/// nodes only leaves the sides of a block with the walls of the room, and rays pay for it.
+const FEWEST: usize = 4096;
 
 /// Where a node is to go: beside the node `to`, by which areas become smaller by `gain`.
 #[derive(Clone, Copy, Debug)]
@@ -39,9 +42,12 @@ pub(super) fn reinsert(tree: &mut BinaryTree, share: f32) {
     let mut is_touched = vec![false; n];
     for round in 0..N_ROUNDS {
         let n_candidates = (n as f32 * share / (2 * round + 1) as f32) as usize;
-        let n_candidates = n_candidates.clamp(1, n - 1);
+        let n_candidates = n_candidates.max(FEWEST).min(n - 1);
         let mut found = moving.find(&moving.candidates(n_candidates));
         found.par_sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.from.cmp(&b.from)));
+        if found.is_empty() {
+            return;
+        }
         is_touched.fill(false);
         for reinsertion in found {
             moving.apply(reinsertion, &mut is_touched);

@@ -2,14 +2,21 @@
 
 use glam::Vec3;
 
+use crate::math::triangle::ExactTriangle;
+
 /// Nodes and leaves that may wait while a tree is walked.
 pub(super) const STACK_SIZE: usize = 256;
 /// Children of a wide node.
 pub(super) const WIDTH: usize = 8;
 /// Triangles of a leaf.
 pub(super) const LEAF_SIZE: usize = 4;
-/// Marks a child that is a leaf.
+/// Marks a child that is a leaf,
 pub(super) const LEAF: u32 = 1 << 31;
+/// and one of which the triangles lie side by side in one plane: a ray that starts or ends on one
+/// of them meets none of the others, as double precision finds as well. (Single precision may take
+/// one for met where a ray leaves its plane by less than a thousandth: one in a million that is
+/// scattered.)
+pub(super) const FLAT: u32 = 1 << 30;
 
 /// A node with up to eight children.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +24,7 @@ pub(super) const LEAF: u32 = 1 << 31;
 pub(super) struct Node {
     /// `bounds[2 * axis + side][child]`: side 0 is the minimum; never met where there is no child.
     pub(super) bounds: [[f32; WIDTH]; 6],
-    /// Index of a node, or [`LEAF`] with the index of a leaf.
+    /// Index of a node, or [`LEAF`], perhaps [`FLAT`], with the index of a leaf.
     pub(super) children: [u32; WIDTH],
 }
 
@@ -40,6 +47,8 @@ pub(super) struct WideTree {
     pub(super) depth: usize,
     /// The box around everything: minimum and maximum.
     pub(super) bounds: [Vec3; 2],
+    /// The largest coordinate of anything.
+    pub(super) reach: f32,
     /// True if it is so big that most of it is not at hand in the processor's caches.
     pub(super) is_far: bool,
 }
@@ -71,6 +80,12 @@ pub(super) const EMPTY_LEAF: Leaf = Leaf {
     corners: [[[0.0; LEAF_SIZE]; 3]; 3],
     triangles: [0; LEAF_SIZE],
 };
+
+/// Index of the leaf that a link leads to.
+#[inline(always)]
+pub(super) fn leaf_of(link: u32) -> usize {
+    (link & !(LEAF | FLAT)) as usize
+}
 
 impl WideTree {
     /// The box around everything: minimum and maximum.
@@ -114,8 +129,10 @@ impl WideTree {
 
     /// The same, knowing how big it is.
     pub(super) fn measured(self) -> Self {
+        let bounds = self.bounds();
         Self {
-            bounds: self.bounds(),
+            bounds,
+            reach: bounds[0].abs().max(bounds[1].abs()).max_element(),
             is_far: self.n_bytes() > FAR_BYTES,
             ..self
         }
@@ -137,6 +154,18 @@ impl WideTree {
     }
 }
 
+/// True if triangles lie side by side in one plane, as far as their coordinates are known.
+pub(super) fn is_flat(members: &[u32], triangles: &[[Vec3; 3]]) -> bool {
+    let exact = |member: &u32| ExactTriangle::new(&triangles[*member as usize]);
+    (1..members.len()).all(|i| {
+        let a = exact(&members[i]);
+        members[..i].iter().all(|other| {
+            let b = exact(other);
+            a.lies_in(&b) && b.lies_in(&a) && !a.overlaps(&b)
+        })
+    })
+}
+
 impl Leaf {
     pub(super) fn new(members: &[u32], triangles: &[[Vec3; 3]]) -> Self {
         let mut leaf = EMPTY_LEAF;
@@ -150,5 +179,30 @@ impl Leaf {
             }
         }
         leaf
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::is_flat;
+
+    #[test]
+    fn triangles_side_by_side_in_one_plane_are_flat() {
+        let at = |x: f32, y: f32| Vec3::new(x, 0.5 * x + y, 7.0 + x);
+        let pair = [
+            [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0)],
+            [at(0.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)],
+        ];
+        assert!(is_flat(&[0], &pair) && is_flat(&[0, 1], &pair));
+        // One that lies on the others, one that is turned out of the plane, one a step above.
+        let apart = |by: Vec3| pair[1].map(|corner| corner + by);
+        let folded = [pair[1][0], pair[1][1], pair[1][2] + 0.01 * Vec3::Z];
+        for other in [pair[0], folded, apart(1e-4 * Vec3::Z)] {
+            let three = [pair[0], pair[1], other];
+            assert!(!is_flat(&[0, 1, 2], &three), "{other:?}");
+        }
+        assert!(!is_flat(&[0, 1], &[pair[0], folded]));
     }
 }

@@ -1,9 +1,8 @@
 //! What a ray meets where single precision cannot tell.
 //!
 //! The kernels of [`crate::accel`] know by how much a distance may be wrong. Where that matters, as
-//! it does for surfaces that
-//! touch each other or nearly so, and near the ends of a ray, all that the ray meets is looked at
-//! once more in double precision:
+//! it does for surfaces that touch each other or nearly so, and near the ends of a ray, all that
+//! the ray meets is looked at once more in double precision:
 //!
 //! - A surface *touches* a point if it is as near as coordinates of that size are rounded.
 //! - Of surfaces that lie in one plane and overlap, **the one that comes first in the scene lies outermost on its front side**, as if
@@ -14,25 +13,20 @@
 //! - Another surface that touches the start is met if it reaches to the side to which the ray leaves, and does not lie behind. So the
 //!   neighbours of a triangle in a mesh do not shadow it, and walls that meet in a corner do not let light through.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use crate::accel::Hit;
 use crate::math::Ray;
 use crate::math::ray::triangle_of;
+use crate::math::triangle::{ExactTriangle, rounding_of};
 use crate::scene::Scene;
 use crate::scene::geometry::Geometry;
 
-/// A point touches a surface if that is no farther away than this share of its largest coordinate:
-/// four times what it is rounded by.
-const TOUCH: f64 = 1.0 / 2_097_152.0;
-
-/// A triangle in double precision.
+/// A triangle of the scene in double precision.
 #[derive(Clone, Copy, Debug)]
 struct Triangle {
     index: u32,
-    corners: [DVec3; 3],
-    /// Unit, towards the front.
-    normal: DVec3,
+    shape: ExactTriangle,
 }
 
 /// Something that a ray meets.
@@ -132,8 +126,9 @@ impl<'a> Line<'a> {
     /// The crossing with a triangle that the ray may meet; `None` if it does not.
     fn meet(&self, hit: &Hit) -> Option<Crossing> {
         let triangle = Triangle::new(self.geometry, hit.triangle);
-        let slope = triangle.normal.dot(self.direction);
-        let exact = -triangle.height(self.origin) / slope;
+        let shape = &triangle.shape;
+        let slope = shape.normal.dot(self.direction);
+        let exact = -shape.height(self.origin) / slope;
         let mut t = if exact.is_finite() {
             exact
         } else {
@@ -141,7 +136,7 @@ impl<'a> Line<'a> {
         };
         let start = self
             .leaves
-            .filter(|_| triangle.touches(self.origin, self.origin));
+            .filter(|_| shape.touches(self.origin, self.origin));
         match start {
             Some(start) if !start.is_before(&triangle, self.origin, self.direction) => return None,
             Some(_) => t = t.max(0.0),
@@ -166,7 +161,7 @@ impl<'a> Line<'a> {
     /// True if a triangle touches the end of the ray, which is as exact as both ends are.
     fn touches_end(&self, triangle: &Triangle) -> bool {
         let end = self.at(self.t_max);
-        end.is_finite() && triangle.touches(end, self.origin)
+        end.is_finite() && triangle.shape.touches(end, self.origin)
     }
 
     /// Puts crossings into the order in which the ray comes through them.
@@ -189,7 +184,7 @@ impl<'a> Line<'a> {
     fn swaps(&self, first: &Crossing, second: &Crossing) -> bool {
         let (a, b) = (&first.triangle, &second.triangle);
         let point = self.at(first.t);
-        b.touches(point, point)
+        b.shape.touches(point, point)
             && a.is_flush_with(b)
             && b.rank(self.direction) < a.rank(self.direction)
     }
@@ -197,93 +192,43 @@ impl<'a> Line<'a> {
 
 impl Triangle {
     fn new(geometry: &Geometry, index: u32) -> Self {
-        let corners = geometry.facet(index).corners.map(glam::Vec3::as_dvec3);
-        let [a, b, c] = corners;
         Self {
             index,
-            corners,
-            normal: (b - a).cross(c - a).normalize_or_zero(),
+            shape: ExactTriangle::new(&geometry.facet(index).corners),
         }
-    }
-
-    /// How far a point is above its plane.
-    fn height(&self, point: DVec3) -> f64 {
-        self.normal.dot(point - self.corners[0])
-    }
-
-    /// True if a point, which is rounded as another one is or as its own coordinates are, may lie
-    /// in its plane.
-    fn touches(&self, point: DVec3, rounded_as: DVec3) -> bool {
-        let rounding = rounding_of(point).max(rounding_of(rounded_as));
-        self.height(point).abs() <= rounding
-    }
-
-    /// True if it lies in the plane of another one.
-    fn lies_in(&self, other: &Self) -> bool {
-        self.corners.iter().all(|c| other.touches(*c, *c))
     }
 
     /// True if both lie in one plane and overlap.
     fn is_flush_with(&self, other: &Self) -> bool {
-        (self.lies_in(other) || other.lies_in(self)) && self.overlaps(other)
+        self.is_coplanar_with(other) && self.shape.overlaps(&other.shape)
+    }
+
+    /// True if both lie in one plane.
+    fn is_coplanar_with(&self, other: &Self) -> bool {
+        self.shape.lies_in(&other.shape) || other.shape.lies_in(&self.shape)
     }
 
     /// True if a ray that leaves this triangle at a point comes to another one that touches the
     /// point.
     fn is_before(&self, other: &Self, point: DVec3, direction: DVec3) -> bool {
-        if self.lies_in(other) || other.lies_in(self) {
-            return self.overlaps(other) && self.rank(direction) < other.rank(direction);
+        let (shape, others) = (&self.shape, &other.shape);
+        if self.is_coplanar_with(other) {
+            return shape.overlaps(others) && self.rank(direction) < other.rank(direction);
         }
-        let side = self.normal.dot(direction).signum();
-        let reaches = |c: &DVec3| side * self.height(*c) > rounding_of(*c).max(rounding_of(point));
-        let towards = other.normal.dot(direction) * other.height(point);
-        other.corners.iter().any(reaches) && towards <= 0.0
+        let side = shape.normal.dot(direction).signum();
+        let reaches = |c: &DVec3| side * shape.height(*c) > rounding_of(*c).max(rounding_of(point));
+        let towards = others.normal.dot(direction) * others.height(point);
+        others.corners.iter().any(reaches) && towards <= 0.0
     }
 
     /// Its place among triangles in one plane, for a ray: those that it meets from the front, the
-    /// first in the scene first, then those
-    /// that it meets from behind, the first last.
+    /// first in the scene first, then those that it meets from behind, the first last.
     fn rank(&self, direction: DVec3) -> i64 {
         let index = i64::from(self.index);
-        if self.normal.dot(direction) < 0.0 {
+        if self.shape.normal.dot(direction) < 0.0 {
             index
         } else {
             2 * i64::from(u32::MAX) - index
         }
     }
-
-    /// True if it overlaps another triangle of the same plane, by more than rounding: no edge of
-    /// either keeps them apart.
-    fn overlaps(&self, other: &Self) -> bool {
-        let axis = self.normal.abs();
-        let flat = |p: DVec3| {
-            if axis.x >= axis.y && axis.x >= axis.z {
-                DVec2::new(p.y, p.z)
-            } else if axis.y >= axis.z {
-                DVec2::new(p.z, p.x)
-            } else {
-                DVec2::new(p.x, p.y)
-            }
-        };
-        let rounding = |t: &Self| t.corners.iter().fold(0.0, |r, c| rounding_of(*c).max(r));
-        let rounding = rounding(self).min(rounding(other));
-        let [a, b] = [self, other].map(|t| t.corners.map(flat));
-        !is_kept_apart(&a, &b, rounding) && !is_kept_apart(&b, &a, rounding)
-    }
-}
-
-/// True if an edge of one triangle has another triangle on its far side.
-fn is_kept_apart(one: &[DVec2; 3], other: &[DVec2; 3], rounding: f64) -> bool {
-    (0..3).any(|i| {
-        let (from, to, inside) = (one[i], one[(i + 1) % 3], one[(i + 2) % 3]);
-        let along = (to - from).normalize_or_zero();
-        let side = along.perp_dot(inside - from).signum();
-        let within = |p: &DVec2| side * along.perp_dot(*p - from) > rounding;
-        !other.iter().any(within)
-    })
-}
-
-/// By how much a point with such coordinates may be off a surface that it was meant to lie on.
-fn rounding_of(point: DVec3) -> f64 {
-    TOUCH * point.abs().max_element()
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use super::super::abreast::RayLanes;
 use super::super::binary::BinaryTree;
 use super::super::build::boxes_of;
-use super::super::wide::{STACK_SIZE, WIDTH, WideTree};
+use super::super::wide::{FLAT, STACK_SIZE, WIDTH, WideTree};
 use super::{Bvh, Hit, Kernel, Placement, TreeQuality};
 use crate::math::Ray;
 use crate::math::lanes::LANES;
@@ -391,6 +391,54 @@ fn a_ray_does_not_meet_the_triangles_that_it_starts_and_ends_on() {
             }
         }
     }
+}
+
+/// Rays that leave a plane of many triangles, however flatly, meet none of the others, nor do those
+/// that end there; a leaf of such triangles is passed.
+#[test]
+fn rays_along_a_plane_of_many_triangles_do_not_meet_it() {
+    let turn = Quat::from_axis_angle(Vec3::new(0.48, 0.6, 0.64), 0.7);
+    let at = |i: i32, j: i32| turn * Vec3::new(i as f32 - 2.0, 0.3, j as f32 - 2.0);
+    let mut triangles = Vec::new();
+    for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
+        let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+        triangles.extend([[a, b, c], [a, c, d]]);
+    }
+    let mut bvh = Bvh::new(&triangles);
+    let links = bvh.tree.nodes.iter().flat_map(|node| node.children);
+    assert!(links.filter(|link| link & FLAT != 0).count() >= 8);
+    let mut n_unsure = 0;
+    for kernel in Kernel::available() {
+        bvh.kernel = kernel;
+        for i in 0..2000 {
+            let mut rays = RayLanes::default();
+            for lane in 0..LANES {
+                let mut sampler = Sampler::new(24, i, lane as u32);
+                let triangle = (sampler.next_1d() * triangles.len() as f32) as usize;
+                let [a, b, c] = triangles[triangle];
+                let [u, v] = warp::triangle(sampler.next_2d());
+                let point = a + (b - a) * u + (c - a) * v;
+                let d = warp::uniform_hemisphere(sampler.next_2d());
+                let away = turn * Vec3::new(d.x, d.z * 0.1, d.y);
+                rays.set(
+                    lane,
+                    &if lane % 2 == 0 {
+                        Ray::new(point, away.normalize()).leaving(triangle as u32)
+                    } else {
+                        Ray::with_end(point + away, -away, 1.0).aimed_at(triangle as u32)
+                    },
+                );
+            }
+            let (hits, unsure) = bvh.closest_hits(&rays);
+            let sight = bvh.occluded(&rays);
+            n_unsure += (unsure | sight.unsure).count_ones();
+            for (lane, hit) in hits.into_iter().enumerate() {
+                assert!(hit.is_none() || unsure >> lane & 1 != 0, "{kernel:?}, {i}");
+            }
+            assert_eq!(sight.stopped, 0, "{kernel:?}, {i}");
+        }
+    }
+    assert!(n_unsure < 100, "{n_unsure}");
 }
 
 /// The distance of a triangle along a ray in double precision.

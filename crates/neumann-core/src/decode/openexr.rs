@@ -148,6 +148,13 @@ impl<R: Read + Seek> File<R> {
             .width
             .checked_mul(self.height)
             .ok_or_else(|| content("is too large"))?;
+        let all = n as u128 * layers.len() as u128 * size_of::<Rgb>() as u128;
+        if all > FREE_BYTES_OF_WINDOW.max(u128::from(self.length) * LARGEST_RATIO) {
+            return Err(content(format!(
+                "cannot be decoded (its display window is {}x{}, in a file of {} bytes)",
+                self.width, self.height, self.length
+            )));
+        }
         let headers = self.reader.headers();
         check(headers, layers, self.length)?;
         let mut targets = Vec::with_capacity(layers.len());
@@ -371,6 +378,8 @@ fn add_layers(part: usize, header: &Header, layers: &mut Vec<Layer>) {
 
 /// Bytes of samples that any file may have, however short it is.
 const FREE_BYTES: u128 = 64 << 20;
+/// Bytes of a display window that any file may have: it may hold a small part of it.
+const FREE_BYTES_OF_WINDOW: u128 = 1 << 30;
 /// Bytes of samples to each byte of the file: no compression does better than that.
 const LARGEST_RATIO: u128 = 1100;
 

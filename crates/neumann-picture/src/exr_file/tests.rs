@@ -270,15 +270,19 @@ fn a_header_that_promises_too_much_is_refused_early() {
     let folder = TestFolder::new();
     let path = folder.join("a.exr");
     write_image_exr(&path, (3, 2), &noise(6, 1), &[]).unwrap();
-    let mut bytes = std::fs::read(&path).unwrap();
-    let at = bytes.windows(10).position(|w| w == b"dataWindow").unwrap();
-    // Name, zero, type "box2i", zero, length, then xMin, yMin, xMax, yMax.
-    let window = at + 11 + 6 + 4;
-    bytes[window + 8..window + 12].copy_from_slice(&200_000i32.to_le_bytes());
-    bytes[window + 12..window + 16].copy_from_slice(&200_000i32.to_le_bytes());
-    std::fs::write(&path, &bytes).unwrap();
-    let error = read_layers(&path).unwrap_err().to_string();
-    assert!(error.contains("cannot be decoded"), "{error}");
+    let whole = std::fs::read(&path).unwrap();
+    for (name, edge) in [("dataWindow", 200_000i32), ("displayWindow", 20_000)] {
+        let mut bytes = whole.clone();
+        let is_name = |w: &[u8]| w == name.as_bytes();
+        let at = bytes.windows(name.len()).position(is_name).unwrap();
+        // Name, zero, type "box2i", zero, length, then xMin, yMin, xMax, yMax.
+        let window = at + name.len() + 1 + 6 + 4;
+        bytes[window + 8..window + 12].copy_from_slice(&edge.to_le_bytes());
+        bytes[window + 12..window + 16].copy_from_slice(&edge.to_le_bytes());
+        std::fs::write(&path, &bytes).unwrap();
+        let error = read_layers(&path).unwrap_err().to_string();
+        assert!(error.contains("cannot be decoded"), "{name}: {error}");
+    }
 }
 
 #[test]

@@ -18,7 +18,7 @@ use super::frame::TILE_PIXELS;
 use crate::radiometry::Rgb;
 
 /// Pixels of a film that are watched: so many, if it has them, and one of each tile at least.
-const PIXELS: usize = 8192;
+const PIXELS: usize = 2048;
 /// Fewest levels whose differences say how fast variance falls.
 const FEWEST_LEVELS: usize = 2;
 /// The ratio of two levels is not very certain: this power of the result is nearer to the truth

@@ -25,7 +25,7 @@ const UNKNOWN: u64 = 4 << 30;
 static PROCESS: Allowance = Allowance::new(0);
 
 /// Sets the allowance, bytes.
-pub fn allow(bytes: u64) {
+pub fn set_allowed(bytes: u64) {
     PROCESS.allowed.store(bytes.max(1), Ordering::Relaxed);
 }
 

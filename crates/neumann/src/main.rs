@@ -41,7 +41,7 @@ fn main() -> ExitCode {
         Err(help) => help.exit(),
     };
     if let Some(bytes) = cli.memory {
-        neumann_core::memory::allow(bytes);
+        neumann_core::memory::set_allowed(bytes);
     }
     let result = match cli.command {
         None => start::run(cli.scene.as_deref()),

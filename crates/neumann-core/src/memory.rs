@@ -4,7 +4,7 @@
 //! decodes a file takes a [`Share`] of the allowance first, allocates what it has paid for
 //! with [`filled`], which fails where the system does, and keeps the share as long as the
 //! memory. The allowance is half of what is free when it is first asked for, or what
-//! [`allow`] says (`--memory`).
+//! [`set_allowed`] says (`--memory`).
 //!
 //! Films, trees and photons are not counted here: their sizes are asked for by name.
 

@@ -249,8 +249,10 @@ fn a_small_box_does_not_know_how_large_its_floor_is() {
         moved(stage, Mat4::from_quat(Quat::from_rotation_z(tilt)))
     };
     for tilt in [0.0, 0.3] {
-        for id in ["pt-nee", "pt-mis", "bdpt", "lt"] {
+        for id in ["pt-nee", "pt-mis", "bdpt", "lt", "vcm", "ppm"] {
             let method = method(id).unwrap();
+            // Rounding takes a photon into the radius, or out of it.
+            let bound = if method.bias.is_some() { 1e-2 } else { 2e-3 };
             let means = |half| {
                 let setup = Setup::new(&scene(half, tilt), 16, 16).by(method).up_to(3);
                 setup.film(0, 64).layer_means()
@@ -261,7 +263,7 @@ fn a_small_box_does_not_know_how_large_its_floor_is() {
                     let off = (a[1] - b[1]).abs();
                     // The same paths: what differs is rounding.
                     assert!(
-                        off <= 2e-3 * b[1] + 1e-6,
+                        off <= bound * b[1] + 1e-6,
                         "{id}, {half} m, T{k}: {a:?} {b:?}"
                     );
                 }

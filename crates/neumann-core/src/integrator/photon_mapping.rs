@@ -278,7 +278,7 @@ impl PhotonMapping {
                 }
             })?;
         let iteration = if self.is_kept { 0 } else { pass.iteration() };
-        let radius = self.radius.at(scene, iteration);
+        let radius = self.radius.at(scene, pass.camera(), iteration);
         Ok(PhotonMap {
             grid: HashGrid::new(&paths.items, radius, |photon| *photon),
 

@@ -1,7 +1,11 @@
 //! Within which distance photons count, and how it shrinks.
 
+use glam::{Vec2, Vec3};
+
 use super::{Parameter, ParameterKind, ParameterValues};
+use crate::endpoint::Camera;
 use crate::scene::Scene;
+use crate::transport::Tracer;
 
 /// A radius that shrinks from iteration to iteration.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +21,8 @@ impl Radius {
         name: "radius",
         title: "Radius",
         unit: "",
-        about: "Photons within this distance count: a share of the scene's radius, or metres.",
+        about: "Photons within this distance count: a share of the scene's radius, less where the camera sees \
+                a small part, or metres.",
         kind: ParameterKind::Real {
             default: 0.003,
             min: 1e-6,
@@ -63,11 +68,14 @@ impl Radius {
     }
 
     /// The radius of iteration number `iteration`, metres: `r = r_1 (i + 1)^((α - 1) / 2)`, which is how that of Knaus and
-    /// Zwicker 2011 shrinks in the end, and depends on the number of the iteration alone.
+    /// Zwicker 2011 shrinks in the end, and depends on the number of the iteration alone. A relative radius is a share of the
+    /// scene's radius, or of [`SEEN`] times what `camera` sees, which is less where a small thing
+    /// stands on a wide floor.
     #[must_use]
-    pub fn at(&self, scene: &Scene, iteration: u32) -> f32 {
+    pub fn at(&self, scene: &Scene, camera: &Camera, iteration: u32) -> f32 {
         let unit = if self.is_relative {
-            scene.lights().bounds().radius
+            let whole = scene.lights().bounds().radius;
+            radius_seen(scene, camera).map_or(whole, |seen| whole.min(SEEN * seen))
         } else {
             1.0
         };
@@ -75,4 +83,40 @@ impl Radius {
         // What is smaller than rounding merges nothing and divides by zero.
         (self.initial * unit * shrunk as f32).max(1e-6 * unit)
     }
+}
+
+/// What the camera sees counts as so many times wider, so that a view of a whole scene leaves the
+/// scene's radius as it is.
+const SEEN: f32 = 8.0;
+
+/// Rays that ask what the camera sees, along each side of the film.
+const N_RAYS: usize = 16;
+
+/// Median distance of what a camera sees from the middle of it, metres; `None` where it sees
+/// nothing or a single point.
+fn radius_seen(scene: &Scene, camera: &Camera) -> Option<f32> {
+    let mut tracer = Tracer::new(scene);
+    let (width, height) = camera.raster_size();
+    let cell = Vec2::new(width, height) / N_RAYS as f32;
+    let mut seen = Vec::with_capacity(N_RAYS * N_RAYS);
+    for i in 0..N_RAYS * N_RAYS {
+        let raster = Vec2::new((i % N_RAYS) as f32 + 0.5, (i / N_RAYS) as f32 + 0.5) * cell;
+        let ray = camera.ray(raster, [0.5; 2]).ray;
+        if let Some(hit) = tracer.hit(&ray) {
+            seen.push(tracer.surface_vertex(&ray, &hit).point.position);
+        }
+    }
+    let middle = Vec3::from_array([0, 1, 2].map(|axis| median(seen.iter().map(|p| p[axis]))));
+    let radius = median(seen.iter().map(|p| p.distance(middle)));
+    (radius > 0.0).then_some(radius)
+}
+
+/// The upper median; 0 of nothing.
+fn median(values: impl Iterator<Item = f32>) -> f32 {
+    let mut values: Vec<f32> = values.collect();
+    let half = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
+    }
+    *values.select_nth_unstable_by(half, f32::total_cmp).1
 }

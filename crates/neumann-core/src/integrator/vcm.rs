@@ -98,7 +98,7 @@ impl Integrator for Vcm {
         let (has_connections, has_merges) = (self.has_connections, self.has_merges);
         let has_roulette = self.has_roulette;
         let n_paths = self.n_light_paths(scene, pass)?;
-        let radius = self.radius.at(scene, pass.iteration());
+        let radius = self.radius.at(scene, camera, pass.iteration());
         let light_paths_per_pixel = n_paths as f32 / pass.n_pixels() as f32;
         let mut weighing = Weighing::connections(self.heuristic, light_paths_per_pixel);
         if has_merges {

@@ -115,6 +115,12 @@ impl Camera {
         self.forward
     }
 
+    /// Width and height of the raster, pixels.
+    #[must_use]
+    pub fn raster_size(&self) -> (f32, f32) {
+        (self.width, self.height)
+    }
+
     /// Position of the lens (or of the middle of an orthographic film).
     #[must_use]
     pub fn position(&self) -> Vec3 {

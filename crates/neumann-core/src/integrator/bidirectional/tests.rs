@@ -23,7 +23,7 @@ impl Integrator for OneByOne {
         let (camera, max_bounces) = (pass.camera(), pass.max_bounces());
         let radius = self
             .radius
-            .map_or(0.0, |radius| radius.at(scene, pass.iteration()));
+            .map_or(0.0, |radius| radius.at(scene, pass.camera(), pass.iteration()));
         let mut weighing = Weighing::connections(Heuristic::Balance, 1.0);
         if self.radius.is_some() {
             weighing = weighing.merges(n_paths, radius, true);

@@ -539,8 +539,8 @@ fn subpath<'a>(
     let mut vertices = Vec::new();
     while let Some(vertex) = walk.meet(tracer, weighing) {
         vertices.push(vertex);
-        sampler.start_bounce(walk.bounce());
-        if vertices.len() == 8 || !walk.scatter(&vertex, sampler, false, weighing) {
+        let u = sampler.bounce(walk.bounce());
+        if vertices.len() == 8 || !walk.scatter(&vertex, &u, false, weighing) {
             break;
         }
     }
@@ -574,15 +574,15 @@ fn both_ends_agree_on_what_is_between() {
     let (mut n_in_vacuum, mut n_in_media, mut n_other) = (0, 0, 0);
     for i in 0..4000 {
         let mut sampler = Sampler::new(31, i, 0);
-        let Some(start) = scene.lights().start(&start_sample(&mut sampler)) else {
+        let Some(start) = scene.lights().start(&start_sample(&sampler.start())) else {
             continue;
         };
         let walk = Walk::from_light(&start, &mut tracer, &weighing);
         let lights = subpath(walk, &mut tracer, &mut sampler, &weighing);
         let mut sampler = Sampler::new(32, i, 0);
-        let raster = sampler.next_2d().map(|u| 8.0 * u).into();
-        let u = sampler.next_2d();
-        let walk = Walk::from_camera(&camera, raster, u, &mut tracer, &weighing);
+        let u = sampler.start();
+        let raster = u.film.map(|u| 8.0 * u).into();
+        let walk = Walk::from_camera(&camera, raster, u.lens, &mut tracer, &weighing);
         for ours in subpath(walk, &mut tracer, &mut sampler, &weighing) {
             for theirs in &lights {
                 let (from, to) = (&ours.surface, &theirs.surface);

@@ -13,6 +13,7 @@ mod camera;
 pub mod light;
 
 pub use camera::{Camera, CameraRay, LensHit};
+pub(crate) use light::ReceiverLanes;
 pub use light::{Light, LightChoice, Lights, Receiver};
 
 use glam::Vec3;

@@ -9,7 +9,9 @@
 //! Emitters seen directly are left to the camera (s = 0, t = 2).
 
 use crate::film::TILE_PIXELS;
-use crate::integrator::bidirectional::{CameraEnd, CameraRoom, Heuristic, LightEnd, Weighing};
+use crate::integrator::bidirectional::{
+    CameraEnd, CameraRoom, Heuristic, LightEnd, ToLens, Weighing,
+};
 use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
 use crate::render::{Cancelled, Collected, Pass, PixelPath};
 use crate::scene::Scene;
@@ -76,7 +78,7 @@ impl Integrator for Bidirectional {
             n_paths,
             max_bounces,
             has_roulette: self.has_roulette,
-            has_connections: true,
+            to_lens: ToLens::AimedOrMet,
             weighing,
         };
         let camera = CameraEnd {
@@ -96,7 +98,9 @@ impl Integrator for Bidirectional {
                 .indices()
                 .map(|(number, index)| (number, numbers.path((index + shift) % n_paths)));
             kept.clear();
-            light.trace(starts, tracer, sink, kept);
+            light.trace(starts, tracer, sink, |number, vertex| {
+                kept.push((number, vertex))
+            });
             paths.sort(kept, TILE_PIXELS);
             // Its camera paths, each joined with one of them.
             let light_path = |pixel: &PixelPath<'_>| paths.of_path(pixel.place.in_tile());

@@ -94,16 +94,36 @@ struct Branch {
     is_specular: bool,
 }
 
+/// The random numbers of a tree of rays: its scattering events in the order in which they are met,
+/// several numbers for one where it sends several rays.
+struct Events<'a> {
+    sampler: &'a Sampler<'a>,
+    n: u32,
+}
+
+impl Events<'_> {
+    /// The first of the next `n` numbers of events.
+    fn next(&mut self, n: u32) -> u32 {
+        let first = self.n;
+        self.n += n;
+        first
+    }
+}
+
 impl Integrator for Distributed {
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
         let max_bounces = pass.max_bounces();
         let camera = pass.camera();
         let this = *self;
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
-            for lens in 0..this.n_lens {
+            let mut events = Events { sampler, n: 0 };
+            for i in 0..this.n_lens {
                 // The position in the pixel is drawn once, the lens anew for each ray.
-                sampler.start_bounce(lens * this.blocks_per_ray());
-                let ray = camera.ray(raster, sampler.next_2d()).ray;
+                let lens = match i {
+                    0 => sampler.start().lens,
+                    _ => sampler.bounce(events.next(1)).lens,
+                };
+                let ray = camera.ray(raster, lens).ray;
                 let branch = Branch {
                     ray,
                     throughput: Rgb::splat(1.0 / this.n_lens as f32),
@@ -111,7 +131,7 @@ impl Integrator for Distributed {
                     bounce: 0,
                     is_specular: true,
                 };
-                this.follow(branch, max_bounces, tracer, sampler, sink);
+                this.follow(branch, max_bounces, tracer, &mut events, sink);
             }
         })
     }
@@ -122,17 +142,12 @@ impl Integrator for Distributed {
 }
 
 impl Distributed {
-    /// Blocks of random numbers set aside for one camera ray.
-    fn blocks_per_ray(self) -> u32 {
-        1 + self.n_light + self.n_glossy
-    }
-
     fn follow(
         self,
         branch: Branch,
         max_bounces: u32,
         tracer: &mut Tracer<'_>,
-        sampler: &mut Sampler<'_>,
+        events: &mut Events<'_>,
         sink: &mut Sink<'_>,
     ) {
         let Branch {
@@ -160,16 +175,20 @@ impl Distributed {
         if bounce == max_bounces {
             return;
         }
-        let is_first = bounce == 0;
+        let [n_light, n_glossy] = if bounce == 0 {
+            [self.n_light, self.n_glossy]
+        } else {
+            [1, 1]
+        };
+        let event = events.next(n_light.max(n_glossy));
 
         // Soft shadows: points on the lights.
         if vertex.bsdf.has_density() {
-            let n = if is_first { self.n_light } else { 1 };
-            for _ in 0..n {
-                let u = light_sample(sampler);
+            for i in 0..n_light {
+                let u = light_sample(&events.sampler.bounce(event + i));
                 if let Some(aimed) = aim_at_light(tracer, &vertex, media, LightChoice::Tree, &u) {
                     let value = throughput * aimed.value;
-                    sink.add(connect(bounce + 1, value, 1.0 / n as f32));
+                    sink.add(connect(bounce + 1, value, 1.0 / n_light as f32));
                 }
             }
         }
@@ -178,21 +197,19 @@ impl Distributed {
         let Some(glossy) = vertex.bsdf.glossy_part() else {
             return;
         };
-        let n = if is_first { self.n_glossy } else { 1 };
-        for _ in 0..n {
-            let [a, b] = sampler.next_2d();
-            let u = [sampler.next_1d(), a, b];
+        for i in 0..n_glossy {
+            let u = events.sampler.bounce(event + i).bsdf();
             let Some(sample) = vertex.sample_of(&glossy, u, TransportMode::Radiance) else {
                 continue;
             };
             let next = Branch {
                 ray: vertex.ray(sample.wi),
-                throughput: throughput * sample.throughput() / n as f32,
+                throughput: throughput * sample.throughput() / n_glossy as f32,
                 media: vertex.media_towards(sample.wi, media),
                 bounce: bounce + 1,
                 is_specular: sample.is_delta,
             };
-            self.follow(next, max_bounces, tracer, sampler, sink);
+            self.follow(next, max_bounces, tracer, events, sink);
         }
     }
 }

@@ -3,10 +3,10 @@
 //! To add one: write a file here with its `METHOD` row, add a `mod` line and
 //! an entry to [`METHODS`]. Menus, command line and tests follow.
 
-mod abreast;
 pub mod bdpt;
 pub mod bidirectional;
 mod distributed;
+mod lanes;
 pub mod light_tracing;
 mod parameter;
 pub mod path_tracing;

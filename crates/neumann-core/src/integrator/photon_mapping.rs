@@ -26,7 +26,7 @@ use crate::transport::reflection::{Drawn, aim_at_light, light_sample, start_samp
 use crate::transport::{SurfaceVertex, Tracer, VertexSample};
 
 use super::bidirectional::{Walk, Weighing};
-use super::path_tracing::bsdf::{MODE, bsdf_numbers};
+use super::path_tracing::bsdf::MODE;
 use super::path_tracing::{add_unlit, connect, hit};
 
 /// The row of `pm`.
@@ -260,7 +260,7 @@ impl PhotonMapping {
         let weighing = Weighing::one_technique();
         let paths =
             pass.trace_light_paths(scene, n_paths, numbers, |_, tracer, sampler, _, photons| {
-                let Some(start) = scene.lights().start(&start_sample(sampler)) else {
+                let Some(start) = scene.lights().start(&start_sample(&sampler.start())) else {
                     return;
                 };
                 let mut walk = Walk::from_light(&start, tracer, &weighing);
@@ -271,8 +271,8 @@ impl PhotonMapping {
                     if vertex.surface.bsdf.has_density() {
                         photons.push(vertex.photon());
                     }
-                    sampler.start_bounce(walk.bounce());
-                    if !walk.scatter(&vertex, sampler, true, &weighing) {
+                    let u = sampler.bounce(walk.bounce());
+                    if !walk.scatter(&vertex, &u, true, &weighing) {
                         return;
                     }
                 }
@@ -302,12 +302,12 @@ impl PhotonMapping {
             max_bounces: pass.max_bounces(),
         };
         pass.trace_pixels_with(scene, Vec::new, |near, sample, tracer, sampler, sink| {
-            let ray = camera.ray(sample.raster, sampler.next_2d()).ray;
+            let ray = camera.ray(sample.raster, sampler.start().lens).ray;
             let segment = Segment {
                 ray,
                 throughput: Rgb::WHITE,
                 media: tracer.media_at_camera(&ray),
-                drawn: None,
+                drawn: Drawn::NOWHERE,
                 leaves_emitters: false,
                 bounce: 0,
             };
@@ -330,8 +330,8 @@ struct Segment {
     ray: Ray,
     throughput: Rgb,
     media: Media,
-    /// Where the ray's direction was drawn; nothing where no light could have been aimed at instead.
-    drawn: Option<Drawn>,
+    /// Where the ray's direction was drawn.
+    drawn: Drawn,
     /// True where emitters have been aimed at for good.
     leaves_emitters: bool,
     /// Scattering events so far.
@@ -346,7 +346,7 @@ impl Eye<'_> {
         mut path: Segment,
         n_gather: u32,
         tracer: &mut Tracer<'_>,
-        sampler: &mut Sampler<'_>,
+        sampler: &Sampler<'_>,
         sink: &mut Sink<'_>,
         near: &mut Vec<Near>,
     ) {
@@ -357,8 +357,9 @@ impl Eye<'_> {
             let Some(vertex) = tracer.meet(&ray, &mut path.media, &mut path.throughput) else {
                 let radiance = lights.environment_radiance(path.ray.direction());
                 if !radiance.is_black() {
+                    let direction = path.ray.direction();
                     let weight =
-                        path.weight(|d| d.mis_weight_of_environment(tracer, path.ray.direction()));
+                        path.weight(|d| d.mis_weight_of_environment(tracer, CHOICE, direction));
                     sink.add(hit(path.bounce, path.throughput * radiance, weight));
                 }
                 return;
@@ -368,14 +369,14 @@ impl Eye<'_> {
             }
             let emitted = tracer.emitted(&vertex);
             if !emitted.is_black() {
-                let weight = path.weight(|d| d.mis_weight(tracer, &vertex));
+                let weight = path.weight(|d| d.mis_weight(tracer, CHOICE, &vertex));
                 sink.add(hit(path.bounce, path.throughput * emitted, weight));
             }
             if path.bounce == self.max_bounces {
                 return;
             }
 
-            let u = bsdf_numbers(sampler, path.bounce);
+            let u = sampler.bounce(path.bounce);
             let has_density = vertex.bsdf.has_density();
             let is_rough = has_density && vertex.bsdf.roughness() >= self.mapping.roughness;
             if is_rough && n_gather == 0 {
@@ -383,8 +384,8 @@ impl Eye<'_> {
                 self.ask_map(&vertex, &path, sink, near);
             } else if has_density {
                 // A light aimed at, against running into it.
-                let u = light_sample(sampler);
-                if let Some(aimed) = aim_at_light(tracer, &vertex, path.media, CHOICE, &u) {
+                let light = light_sample(&u);
+                if let Some(aimed) = aim_at_light(tracer, &vertex, path.media, CHOICE, &light) {
                     let value = path.throughput * aimed.value;
                     // Rays of a final gather leave emitters to the light aimed at.
                     let weight = if is_rough { 1.0 } else { aimed.mis_weight() };
@@ -396,7 +397,7 @@ impl Eye<'_> {
             }
 
             // Mirror-like and sharp lobes are followed.
-            let Some(sample) = vertex.sample(u, MODE) else {
+            let Some(sample) = vertex.sample(u.bsdf(), MODE) else {
                 return;
             };
             if is_rough && !sample.is_delta {
@@ -412,15 +413,14 @@ impl Eye<'_> {
         vertex: &SurfaceVertex<'_>,
         path: &Segment,
         tracer: &mut Tracer<'_>,
-        sampler: &mut Sampler<'_>,
+        sampler: &Sampler<'_>,
         sink: &mut Sink<'_>,
         near: &mut Vec<Near>,
     ) {
         let n = self.mapping.n_gather;
         for i in 0..n {
-            let mut numbers = sampler.branch(i);
-            let [a, b] = numbers.next_2d();
-            let u = [numbers.next_1d(), a, b];
+            let numbers = sampler.branch(path.bounce, i);
+            let u = numbers.bounce(path.bounce).bsdf();
             let Some(sample) = vertex.sample(u, MODE) else {
                 continue;
             };
@@ -431,7 +431,7 @@ impl Eye<'_> {
             ray.throughput *= 1.0 / n as f32;
             // Emitters met by these rays have been aimed at already.
             ray.leaves_emitters = true;
-            self.follow(ray, 0, tracer, &mut numbers, sink, near);
+            self.follow(ray, 0, tracer, &numbers, sink, near);
         }
     }
 
@@ -488,7 +488,7 @@ impl Segment {
         if self.leaves_emitters {
             0.0
         } else {
-            self.drawn.as_ref().map_or(1.0, of)
+            of(&self.drawn)
         }
     }
 
@@ -497,7 +497,7 @@ impl Segment {
             ray: vertex.ray(sample.wi),
             throughput: self.throughput * sample.throughput(),
             media: vertex.media_towards(sample.wi, self.media),
-            drawn: Drawn::at(vertex, CHOICE, sample),
+            drawn: Drawn::at(vertex, sample),
             leaves_emitters: false,
             bounce: self.bounce + 1,
         }
@@ -523,7 +523,7 @@ fn show_photons(
         numbers,
         |index, tracer, sampler, sink, _: &mut Vec<()>| {
             let photon = &photons[index];
-            let Some((aim, raster)) = camera.aim(photon.position, sampler.next_2d()) else {
+            let Some((aim, raster)) = camera.aim(photon.position, sampler.start().lens) else {
                 return;
             };
             if !is_seen(tracer, photon, &aim) {

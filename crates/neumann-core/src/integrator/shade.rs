@@ -53,7 +53,7 @@ impl Integrator for Shade {
         let camera = pass.camera();
         let n = self.n_light_samples;
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
-            let ray = camera.ray(raster, sampler.next_2d()).ray;
+            let ray = camera.ray(raster, sampler.start().lens).ray;
             let Some(vertex) = tracer.vertex(&ray) else {
                 let radiance = scene.lights().environment_radiance(ray.direction());
                 sink.add(hit(0, radiance, 1.0));
@@ -65,8 +65,7 @@ impl Integrator for Shade {
                 return;
             }
             for i in 0..n {
-                sampler.start_bounce(i);
-                let u = light_sample(sampler);
+                let u = light_sample(&sampler.bounce(i));
                 if let Some((aimed, _)) = aim_unshadowed(tracer, &vertex, LightChoice::Tree, &u) {
                     sink.add(connect(1, aimed.value, 1.0 / n as f32));
                 }

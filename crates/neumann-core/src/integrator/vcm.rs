@@ -23,7 +23,8 @@ use crate::transport::reflection::start_sample;
 
 use super::bdpt::{HEURISTIC, heuristic};
 use super::bidirectional::{
-    CameraEnd, CameraRoom, Heuristic, LightEnd, LightVertex, Mergeable, Merging, Walk, Weighing,
+    CameraEnd, CameraRoom, Heuristic, LightEnd, LightVertex, Mergeable, Merging, ToLens, Walk,
+    Weighing,
 };
 use super::light_tracing::ROULETTE;
 
@@ -112,7 +113,11 @@ impl Integrator for Vcm {
             n_paths,
             max_bounces,
             has_roulette,
-            has_connections,
+            to_lens: if has_connections {
+                ToLens::AimedOrMet
+            } else {
+                ToLens::Never
+            },
             weighing,
         };
         let numbers = pass.light_numbers(n_paths);
@@ -121,7 +126,10 @@ impl Integrator for Vcm {
             scene,
             n_paths,
             numbers,
-            |paths, tracer, sink, kept| light.trace(paths.enumerate(), tracer, sink, kept),
+            |paths, tracer, sink, kept| {
+                let keep = |number, vertex| kept.push((number, vertex));
+                light.trace(paths.enumerate(), tracer, sink, keep);
+            },
         )?;
         let paths = &self.paths;
         if has_merges {
@@ -183,7 +191,7 @@ impl Vcm {
         let numbers = pass.fixed_light_numbers();
         let paths =
             pass.trace_light_paths(scene, PILOT, numbers, |_, tracer, sampler, _, kept| {
-                let Some(start) = scene.lights().start(&start_sample(sampler)) else {
+                let Some(start) = scene.lights().start(&start_sample(&sampler.start())) else {
                     return;
                 };
                 let mut walk = Walk::from_light(&start, tracer, &weighing);
@@ -191,9 +199,9 @@ impl Vcm {
                     if vertex.surface.bsdf.has_density() {
                         kept.push(());
                     }
-                    sampler.start_bounce(walk.bounce());
+                    let u = sampler.bounce(walk.bounce());
                     if walk.bounce() == max_bounces
-                        || !walk.scatter(&vertex, sampler, has_roulette, &weighing)
+                        || !walk.scatter(&vertex, &u, has_roulette, &weighing)
                     {
                         return;
                     }

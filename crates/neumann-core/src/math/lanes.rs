@@ -14,14 +14,6 @@ pub(crate) const LANES: usize = 16;
 #[repr(C, align(64))]
 pub(crate) struct Lanes<T>(pub(crate) [T; LANES]);
 
-/// A vector in each lane.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Vec3Lanes {
-    x: Lanes<f32>,
-    y: Lanes<f32>,
-    z: Lanes<f32>,
-}
-
 impl<T: Copy + Default> Default for Lanes<T> {
     fn default() -> Self {
         Self([T::default(); LANES])
@@ -57,30 +49,116 @@ impl Lanes<u32> {
     }
 }
 
+/// What can stand side by side, one in each lane; [`side_by_side`] makes it of its fields.
+pub(crate) trait Laned: Copy {
+    /// One in each lane.
+    type Lanes;
+
+    /// That of a lane.
+    fn of_lane(lanes: &Self::Lanes, lane: usize) -> Self;
+
+    /// Sets a lane.
+    fn set_lane(self, lanes: &mut Self::Lanes, lane: usize);
+
+    /// Sets a lane if `is_set`, without a branch.
+    fn set_lane_if(self, is_set: bool, lanes: &mut Self::Lanes, lane: usize);
+}
+
+/// Numbers are kept as they are.
+macro_rules! number_side_by_side {
+    ($type:ty) => {
+        impl Laned for $type {
+            type Lanes = Lanes<$type>;
+
+            #[inline(always)]
+            fn of_lane(lanes: &Self::Lanes, lane: usize) -> Self {
+                lanes.get(lane)
+            }
+
+            #[inline(always)]
+            fn set_lane(self, lanes: &mut Self::Lanes, lane: usize) {
+                lanes.set(lane, self);
+            }
+
+            #[inline(always)]
+            fn set_lane_if(self, is_set: bool, lanes: &mut Self::Lanes, lane: usize) {
+                lanes.set_if(is_set, lane, self);
+            }
+        }
+    };
+}
+
+number_side_by_side!(f32);
+number_side_by_side!(u32);
+
+/// Makes of a struct one of which each field has all lanes.
+macro_rules! side_by_side {
+    ($(#[$attribute:meta])* $visibility:vis struct $lanes:ident of $type:ident {
+        $($field:ident: $of:ty),* $(,)?
+    }) => {
+        $(#[$attribute])*
+        #[derive(Clone, Copy, Debug, Default)]
+        $visibility struct $lanes {
+            $($field: <$of as $crate::math::lanes::Laned>::Lanes),*
+        }
+
+        #[allow(dead_code, reason = "not every one is asked for everything")]
+        impl $lanes {
+            /// That of a lane.
+            #[inline(always)]
+            $visibility fn get(&self, lane: usize) -> $type {
+                $type {
+                    $($field: <$of as $crate::math::lanes::Laned>::of_lane(&self.$field, lane)),*
+                }
+            }
+
+            /// Sets a lane.
+            #[inline(always)]
+            $visibility fn set(&mut self, lane: usize, value: $type) {
+                $($crate::math::lanes::Laned::set_lane(value.$field, &mut self.$field, lane);)*
+            }
+
+            /// Sets a lane if `is_set`, without a branch.
+            #[inline(always)]
+            $visibility fn set_if(&mut self, is_set: bool, lane: usize, value: $type) {
+                $($crate::math::lanes::Laned::set_lane_if(
+                    value.$field, is_set, &mut self.$field, lane,
+                );)*
+            }
+        }
+
+        impl $crate::math::lanes::Laned for $type {
+            type Lanes = $lanes;
+
+            #[inline(always)]
+            fn of_lane(lanes: &$lanes, lane: usize) -> Self {
+                lanes.get(lane)
+            }
+
+            #[inline(always)]
+            fn set_lane(self, lanes: &mut $lanes, lane: usize) {
+                lanes.set(lane, self);
+            }
+
+            #[inline(always)]
+            fn set_lane_if(self, is_set: bool, lanes: &mut $lanes, lane: usize) {
+                lanes.set_if(is_set, lane, self);
+            }
+        }
+    };
+}
+
+pub(crate) use side_by_side;
+
+side_by_side! {
+    /// A vector in each lane.
+    pub(crate) struct Vec3Lanes of Vec3 { x: f32, y: f32, z: f32 }
+}
+
 impl Vec3Lanes {
     #[inline(always)]
     pub(crate) fn axes(&self) -> [&Lanes<f32>; 3] {
         [&self.x, &self.y, &self.z]
-    }
-
-    #[inline(always)]
-    pub(crate) fn get(&self, lane: usize) -> Vec3 {
-        Vec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])
-    }
-
-    #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, value: Vec3) {
-        self.x.0[lane] = value.x;
-        self.y.0[lane] = value.y;
-        self.z.0[lane] = value.z;
-    }
-
-    /// Sets a lane if `is_set`, without a branch.
-    #[inline(always)]
-    pub(crate) fn set_if(&mut self, is_set: bool, lane: usize, value: Vec3) {
-        self.x.set_if(is_set, lane, value.x);
-        self.y.set_if(is_set, lane, value.y);
-        self.z.set_if(is_set, lane, value.z);
     }
 }
 

@@ -46,6 +46,7 @@ pub struct Pass<'a> {
     techniques: Option<&'a mut TechniqueFilm>,
     samples: SampleCounts,
     n_splits: u8,
+    is_alone: bool,
 }
 
 impl<'a> Pass<'a> {
@@ -70,7 +71,13 @@ impl<'a> Pass<'a> {
             techniques,
             samples: SampleCounts::Even(1),
             n_splits: 1,
+            is_alone: false,
         }
+    }
+
+    /// Lets paths walk one by one, not side by side.
+    pub(super) fn trace_alone(&mut self, is_alone: bool) {
+        self.is_alone = is_alone;
     }
 
     /// True if no tile of the film is missing.
@@ -187,7 +194,7 @@ impl<'a> Pass<'a> {
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
     pub fn trace_pixels<F>(&mut self, scene: &Scene, path: F) -> Result<(), Cancelled>
     where
-        F: Fn(Vec2, &mut Tracer<'_>, &mut Sampler<'_>, &mut Sink<'_>) + Sync,
+        F: Fn(Vec2, &mut Tracer<'_>, &Sampler<'_>, &mut Sink<'_>) + Sync,
     {
         self.trace_tiles(
             scene,
@@ -213,7 +220,7 @@ impl<'a> Pass<'a> {
     ) -> Result<(), Cancelled>
     where
         M: Fn() -> R + Sync + Send,
-        F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>) + Sync,
+        F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &Sampler<'_>, &mut Sink<'_>) + Sync,
     {
         self.trace_tiles(
             scene,
@@ -276,7 +283,7 @@ impl<'a> Pass<'a> {
     ) -> Result<Collected<T>, Cancelled>
     where
         T: Copy + Send + Sync,
-        F: Fn(usize, &mut Tracer<'s>, &mut Sampler<'_>, &mut Sink<'_>, &mut Vec<T>) + Sync,
+        F: Fn(usize, &mut Tracer<'s>, &Sampler<'_>, &mut Sink<'_>, &mut Vec<T>) + Sync,
     {
         let mut collected = Collected::default();
         self.trace_chunks(
@@ -285,8 +292,8 @@ impl<'a> Pass<'a> {
             |range, tracer, sink| {
                 let mut part = Collected::default();
                 for index in range {
-                    let mut sampler = numbers.path(index);
-                    path(index, tracer, &mut sampler, sink, &mut part.items);
+                    let sampler = numbers.path(index);
+                    path(index, tracer, &sampler, sink, &mut part.items);
                     part.ends.push(part.items.len() as u32);
                 }
                 part
@@ -392,7 +399,7 @@ impl<'a> Pass<'a> {
 
     fn sink_shape(&self) -> SinkShape {
         let recording = self.techniques.as_ref().map(|t| t.shape());
-        SinkShape::new(self.frame, recording)
+        SinkShape::new(self.frame, recording, self.is_alone)
     }
 
     /// Cuts tasks into rounds.

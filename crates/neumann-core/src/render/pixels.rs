@@ -102,11 +102,11 @@ impl<'t> Pixels<'t> {
     pub(super) fn one_by_one(
         self,
         sink: &mut Sink<'_>,
-        mut path: impl FnMut(PixelSample, &mut Sampler<'_>, &mut Sink<'_>),
+        mut path: impl FnMut(PixelSample, &Sampler<'_>, &mut Sink<'_>),
     ) {
-        for mut next in self {
+        for next in self {
             sink.start_pixel(next.place);
-            path(next.sample, &mut next.sampler, sink);
+            path(next.sample, &next.sampler, sink);
         }
     }
 }
@@ -133,8 +133,8 @@ impl<'t> Iterator for Pixels<'t> {
             }
         }
         let index = y * self.width + x;
-        let mut sampler = numbers[0].of_pixel(x, y, index);
-        let u = sampler.next_2d();
+        let sampler = numbers[0].of_pixel(x, y, index);
+        let u = sampler.start().film;
         let raster = Vec2::new(x as f32 + u[0], y as f32 + u[1]);
         let place = PixelPlace::new(x, y);
         Some(PixelPath {

@@ -25,6 +25,7 @@ pub struct Renderer {
     spare: Option<Film>,
     coverage: Coverage,
     techniques: Option<TechniqueFilm>,
+    is_alone: bool,
 }
 
 impl Renderer {
@@ -46,6 +47,7 @@ impl Renderer {
             spare: None,
             next_iteration: first_iteration,
             techniques: None,
+            is_alone: false,
             scene,
             settings,
             pool,
@@ -63,6 +65,12 @@ impl Renderer {
         if !Arc::ptr_eq(&self.scene, scene) {
             self.scene = Arc::clone(scene);
         }
+    }
+
+    /// Lets paths walk one by one, not side by side. That changes no path, only the order in which
+    /// splats and connections are added up.
+    pub fn trace_alone(&mut self, is_alone: bool) {
+        self.is_alone = is_alone;
     }
 
     /// Begins to keep techniques apart, `divisor` times smaller than the film, or ends it.
@@ -151,6 +159,7 @@ impl Renderer {
             cancel,
             self.techniques.as_mut(),
         );
+        pass.trace_alone(self.is_alone);
         let (integrator, scene) = (&mut self.integrator, &*self.scene);
         let outcome = self.pool.run(|| integrator.iterate(scene, &mut pass));
         if let Err(cancelled) = outcome {

@@ -45,6 +45,7 @@ pub(super) struct SinkShape {
     n_layers: usize,
     grid: TileGrid,
     recording: Option<RecordShape>,
+    is_alone: bool,
 }
 
 /// A contribution to a pixel that is not the path's own.
@@ -100,8 +101,9 @@ impl PixelPlace {
 }
 
 impl SinkShape {
-    pub(super) fn new(frame: &Frame, recording: Option<RecordShape>) -> Self {
+    pub(super) fn new(frame: &Frame, recording: Option<RecordShape>, is_alone: bool) -> Self {
         Self {
+            is_alone,
             width: frame.width(),
             height: frame.height(),
             n_layers: frame.n_layers(),
@@ -128,6 +130,13 @@ impl<'a> Sink<'a> {
     /// From now on each pixel is the mean of so many paths.
     pub(super) fn share_among(&mut self, n_paths: u8) {
         self.share = 1.0 / f32::from(n_paths);
+    }
+
+    /// True if paths are to walk one by one, not side by side. That changes no path.
+    #[inline]
+    #[must_use]
+    pub fn is_alone(&self) -> bool {
+        self.shape.is_alone
     }
 
     /// Goes on to the path of a pixel.

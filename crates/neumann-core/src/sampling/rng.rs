@@ -69,12 +69,12 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// Numbers of the same iteration, apart from these and from those of other branches.
+    /// Numbers of the same iteration for branch `number` of a path that forks at a bounce, apart
+    /// from the path's own and from those of other branches.
     #[inline]
     #[must_use]
-    pub fn branch(&self, number: u32) -> Self {
-        let place = u64::from(self.block) << 8 | u64::from(self.next);
-        let key = mix(self.key ^ (u64::from(number) + 1) << 40 ^ place);
+    pub fn branch(&self, bounce: u32, number: u32) -> Self {
+        let key = mix(self.key ^ (u64::from(number) + 1) << 40 ^ u64::from(bounce));
         Self::of_key(key, self.iteration)
     }
 
@@ -121,21 +121,10 @@ impl<'a> Sampler<'a> {
         [self.pairs[0][i], self.pairs[1][i]]
     }
 
-    /// The first pairs of numbers of bounce `k`, as [`Self::next_2d`] would draw them after [`Self::start_bounce`].
+    /// The first pairs of numbers of a bounce, as [`Self::next_2d`] would draw them; the start of a
+    /// path counts as number 0.
     #[inline(always)]
-    pub(crate) fn bounce_pairs(&self, k: u32) -> [[f32; 2]; N_PAIRS] {
-        self.first_pairs(k + 1)
-    }
-
-    /// The first pairs of numbers of the camera or the light, as [`Self::next_2d`] would draw them at the start.
-    #[inline(always)]
-    pub(crate) fn start_pairs(&self) -> [[f32; 2]; N_PAIRS] {
-        self.first_pairs(0)
-    }
-
-    /// Those of a bounce, where the camera's or the light's count as number 0.
-    #[inline(always)]
-    fn first_pairs(&self, bounce: u32) -> [[f32; 2]; N_PAIRS] {
+    pub(super) fn first_pairs(&self, bounce: u32) -> [[f32; 2]; N_PAIRS] {
         let point = match &self.pixel {
             Some(pixel) => pixel.first_point(self.key, bounce),
             None => scrambled_point(self.key, bounce * BLOCKS_PER_BOUNCE, self.iteration),

@@ -2,8 +2,6 @@
 
 use crate::radiometry::Rgb;
 
-use super::Sampler;
-
 /// Scattering events that a path goes through before they may end it, unless it carries very little. Ending paths costs
 /// noise in the bounces beyond and saves their time: on a Cornell box, three free events are where time to a given error is
 /// shortest.
@@ -13,7 +11,7 @@ const N_FREE: u32 = 3;
 const LITTLE: f32 = 0.125;
 
 /// Decides whether a path goes on from a scattering event, by one number: the factor by which its throughput grows if
-/// it does (at least 1, and 1 without a number where nothing is to be decided), `None` where it ends.
+/// it does (at least 1), `None` where it ends.
 ///
 /// `n_before` are the events before this one, and `throughput` is what remains beyond it, relative to `1` at the path's
 /// start. Nothing is to be decided at a delta lobe: glass takes little from a path, and a caustic would be played for at
@@ -21,12 +19,9 @@ const LITTLE: f32 = 0.125;
 /// caustic, they should not: what lies behind glass carries as much as what lies before it (a Cornell box with
 /// glass: a tenth less time to the same error). Where light paths find it, they may: it costs nothing and saves some time.
 #[inline]
-pub fn play(n_before: u32, throughput: Rgb, sampler: &mut Sampler<'_>) -> Option<f32> {
+pub fn play(n_before: u32, throughput: Rgb, number: f32) -> Option<f32> {
     let survival = survival_after(n_before, throughput);
-    if survival == 1.0 {
-        return Some(1.0);
-    }
-    (sampler.next_1d() < survival).then(|| 1.0 / survival)
+    (number < survival).then(|| 1.0 / survival)
 }
 
 /// The probability with which [`play`] lets a path go on.
@@ -55,8 +50,8 @@ mod tests {
         let n = 4096;
         let (mut sum, mut n_alive) = (0.0, 0);
         for i in 0..n {
-            let mut sampler = Sampler::new(3, 1, i);
-            if let Some(factor) = play(N_FREE, Rgb::splat(0.25), &mut sampler) {
+            let number = (i as f32 + 0.5) / n as f32;
+            if let Some(factor) = play(N_FREE, Rgb::splat(0.25), number) {
                 sum += factor;
                 n_alive += 1;
             }
@@ -66,8 +61,7 @@ mod tests {
 
     #[test]
     fn the_first_events_end_what_carries_little_and_nothing_else() {
-        let mut sampler = Sampler::new(3, 1, 0);
-        let factors = (0..N_FREE).map(|n| play(n, Rgb::splat(LITTLE), &mut sampler));
+        let factors = (0..N_FREE).map(|n| play(n, Rgb::splat(LITTLE), 0.999));
         assert!(factors.eq([Some(1.0); N_FREE as usize]));
         assert_eq!(survival_after(N_FREE - 1, Rgb::splat(LITTLE / 4.0)), 0.5);
         assert_eq!(survival_after(N_FREE, Rgb::splat(0.25)), 0.5);

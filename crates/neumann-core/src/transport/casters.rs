@@ -15,7 +15,7 @@ use super::{SurfaceVertex, VertexSample};
 use crate::bsdf::TransportMode;
 use crate::endpoint::Receiver;
 use crate::math::Frame;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, select, vectorized};
+use crate::math::lanes::{LANES, Lanes, Vec3Lanes, select, side_by_side, vectorized};
 use crate::sampling::discrete::one_of_two;
 use crate::sampling::mis::power_heuristic;
 use crate::sampling::warp;
@@ -215,67 +215,20 @@ pub(crate) struct ConeLanes {
     n: usize,
     share: Lanes<f32>,
     choice: ChoiceLanes,
+    /// 1 where a direction is drawn from a cone.
+    is_aimed: Lanes<u32>,
     /// Of the mixture.
     density: Lanes<f32>,
 }
 
-/// [`Choice`], in lanes where a direction is drawn from a cone.
-#[derive(Default)]
-struct ChoiceLanes {
-    is_aimed: Lanes<u32>,
-    axis: Vec3Lanes,
-    height: Lanes<f32>,
-    rest: Lanes<f32>,
-    start: Lanes<f32>,
+side_by_side! {
+    /// A [`Choice`] in each lane.
+    struct ChoiceLanes of Choice { axis: Vec3, height: f32, rest: f32, start: f32 }
 }
 
-impl ChoiceLanes {
-    #[inline(always)]
-    fn get(&self, lane: usize) -> Choice {
-        Choice {
-            axis: self.axis.get(lane),
-            height: self.height.get(lane),
-            rest: self.rest.get(lane),
-            start: self.start.get(lane),
-        }
-    }
-
-    #[inline(always)]
-    fn set(&mut self, lane: usize, choice: &Choice) {
-        self.axis.set(lane, choice.axis);
-        self.height.set(lane, choice.height);
-        self.rest.set(lane, choice.rest);
-        self.start.set(lane, choice.start);
-    }
-}
-
-/// A [`Cone`] in each lane.
-#[derive(Default)]
-struct OneConeLanes {
-    axis: Vec3Lanes,
-    height: Lanes<f32>,
-    share: Lanes<f32>,
-    density: Lanes<f32>,
-}
-
-impl OneConeLanes {
-    #[inline(always)]
-    fn get(&self, lane: usize) -> Cone {
-        Cone {
-            axis: self.axis.get(lane),
-            height: self.height.get(lane),
-            share: self.share.get(lane),
-            density: self.density.get(lane),
-        }
-    }
-
-    #[inline(always)]
-    fn set(&mut self, lane: usize, cone: &Cone) {
-        self.axis.set(lane, cone.axis);
-        self.height.set(lane, cone.height);
-        self.share.set(lane, cone.share);
-        self.density.set(lane, cone.density);
-    }
+side_by_side! {
+    /// A [`Cone`] in each lane.
+    struct OneConeLanes of Cone { axis: Vec3, height: f32, share: f32, density: f32 }
 }
 
 impl ConeLanes {
@@ -333,7 +286,7 @@ fn see_one(
 ) {
     for lane in 0..LANES {
         let cone = Cone::new(&caster, n, &vertices.receiver(lane));
-        cones.set(lane, &cone);
+        cones.set(lane, cone);
         share.set(lane, share.get(lane) + cone.share);
     }
 }
@@ -351,18 +304,18 @@ vectorized! {
 
 vectorized! {
     fn choose(seen: &mut ConeLanes, u: &mut [Lanes<f32>; 3]) {
-        let ConeLanes { cones, n, share, choice, .. } = seen;
+        let ConeLanes { cones, n, share, choice, is_aimed: aimed, .. } = seen;
         choice.start = Lanes::default();
         for lane in 0..LANES {
             let (is_aimed, rest) = one_of_two(u[2].get(lane), share.get(lane));
-            choice.is_aimed.set(lane, u32::from(is_aimed));
+            aimed.set(lane, u32::from(is_aimed));
             u[2].set(lane, rest);
         }
         for cones in &cones[..*n] {
             for lane in 0..LANES {
                 let mut of_lane = choice.get(lane);
                 of_lane.offer(&cones.get(lane), u[2].get(lane) * share.get(lane));
-                choice.set(lane, &of_lane);
+                choice.set(lane, of_lane);
             }
         }
     }
@@ -374,7 +327,7 @@ vectorized! {
             let wi = seen.choice.get(lane).direction(u[1].get(lane));
             let vertex = vertices.vertex(lane);
             let found = vertex.f_cos_and_pdf_w(wi, mode);
-            let is_aimed = seen.choice.is_aimed.get(lane) != 0;
+            let is_aimed = seen.is_aimed.get(lane) != 0;
             samples.replace(is_aimed, lane, wi, found);
         }
         let (wi, pdf_w) = samples.drawn();

@@ -215,12 +215,6 @@ pub(crate) struct DiffuseSamples {
 }
 
 impl DiffuseSamples {
-    /// `f cos / pdf`, black where nothing was drawn.
-    #[inline(always)]
-    pub(crate) fn factor(&self, lane: usize) -> Rgb {
-        self.f_cos.get(lane) / self.pdf_w.get(lane)
-    }
-
     /// Where the next ray starts, and on which triangle.
     #[inline(always)]
     pub(crate) fn origin(&self, lane: usize) -> (Vec3, u32) {
@@ -243,12 +237,6 @@ impl DiffuseSamples {
             is_delta: false,
             delta_reverse: 0.0,
         }
-    }
-
-    /// Density of its direction, 1/sr.
-    #[inline(always)]
-    pub(crate) fn pdf_w(&self, lane: usize) -> f32 {
-        self.pdf_w.get(lane)
     }
 
     /// All directions with their densities.

@@ -11,10 +11,11 @@ use super::{SurfaceVertex, Tracer, VertexSample};
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::LightSample;
 use crate::endpoint::{Aim, LightChoice, Receiver};
+use crate::math::lanes::side_by_side;
 use crate::radiometry::Rgb;
 use crate::radiometry::measure::pdf_w_from_pdf_a;
-use crate::sampling::Sampler;
 use crate::sampling::mis::power_heuristic;
+use crate::sampling::{BounceNumbers, StartNumbers};
 use crate::scene::bodies::Media;
 
 /// Light aimed at from a vertex, before anything is known of what is in between.
@@ -32,22 +33,25 @@ pub struct Aimed {
     pub opacity: f32,
 }
 
-/// Random numbers for aiming at a light.
-#[inline]
-pub fn light_sample(sampler: &mut Sampler<'_>) -> LightSample {
+/// The numbers with which a vertex aims at a light.
+#[inline(always)]
+#[must_use]
+pub fn light_sample(u: &BounceNumbers) -> LightSample {
     LightSample {
-        choice: sampler.next_2d(),
-        point: sampler.next_2d(),
+        choice: u.light,
+        point: u.point_on_light,
         direction: [0.0; 2],
     }
 }
 
-/// Random numbers for starting a ray at a light.
-#[inline]
-pub fn start_sample(sampler: &mut Sampler<'_>) -> LightSample {
+/// The numbers with which a light starts a path.
+#[inline(always)]
+#[must_use]
+pub fn start_sample(u: &StartNumbers) -> LightSample {
     LightSample {
-        direction: sampler.next_2d(),
-        ..light_sample(sampler)
+        choice: u.light,
+        point: u.position,
+        direction: u.direction,
     }
 }
 
@@ -83,75 +87,105 @@ pub fn aim_unshadowed(
     Some((Aimed::at(vertex, &aim)?, aim))
 }
 
-/// A direction drawn from the BSDF of a vertex from which a light could have been aimed at as well.
+/// Where a direction was drawn, if a light could have been aimed at from there as well.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn {
     /// The vertex.
-    pub from: Receiver,
-    /// What lights are chosen by there.
-    pub choice: LightChoice,
-    /// Density of the direction, 1/sr.
-    pub pdf_w: f32,
+    from: Receiver,
+    /// Density of the direction, 1/sr; 0 where no light could have been aimed at along it.
+    pdf_w: f32,
+}
+
+side_by_side! {
+    /// Where the directions of all lanes were drawn.
+    pub(crate) struct DrawnLanes of Drawn { from: Receiver, pdf_w: f32 }
 }
 
 impl Drawn {
-    /// A sample of the vertex; `None` for a mirror-like direction, which no light could have been aimed along.
-    #[inline]
+    /// Where no light could have been aimed at: at the camera, or at a mirror.
+    pub const NOWHERE: Self = Self {
+        from: Receiver::NOWHERE,
+        pdf_w: 0.0,
+    };
+
+    /// A sample of a vertex.
+    #[inline(always)]
     #[must_use]
-    pub fn at(
-        vertex: &SurfaceVertex<'_>,
-        choice: LightChoice,
-        sample: &VertexSample,
-    ) -> Option<Self> {
-        (!sample.is_delta).then(|| Self {
+    pub fn at(vertex: &SurfaceVertex<'_>, sample: &VertexSample) -> Self {
+        Self {
             from: vertex.receiver(),
-            choice,
-            pdf_w: sample.pdf_w,
-        })
+            pdf_w: if sample.is_delta { 0.0 } else { sample.pdf_w },
+        }
     }
 
-    /// MIS weight of the emitter that the ray has run into, against having been aimed at.
+    /// MIS weight of the emitter that the ray has run into, against having been aimed at by such a
+    /// choice of lights.
     #[inline]
     #[must_use]
-    pub fn mis_weight(&self, tracer: &Tracer<'_>, emitter: &SurfaceVertex<'_>) -> f32 {
-        let pdf_w_light = pdf_w_of_emitter(tracer, self, emitter);
+    pub fn mis_weight(
+        &self,
+        tracer: &Tracer<'_>,
+        choice: LightChoice,
+        emitter: &SurfaceVertex<'_>,
+    ) -> f32 {
+        if self.pdf_w <= 0.0 {
+            return 1.0;
+        }
+        let pdf_w_light = pdf_w_of_emitter(tracer, &self.from, choice, emitter);
         power_heuristic(self.pdf_w * emitter.opacity, pdf_w_light)
     }
 
-    /// MIS weight of the environment where the ray has left the scene along `direction`, against having been aimed at.
+    /// MIS weight of the environment where the ray has left the scene along `direction`, against
+    /// having been aimed at by such a choice of lights.
     #[inline]
     #[must_use]
-    pub fn mis_weight_of_environment(&self, tracer: &Tracer<'_>, direction: Vec3) -> f32 {
+    pub fn mis_weight_of_environment(
+        &self,
+        tracer: &Tracer<'_>,
+        choice: LightChoice,
+        direction: Vec3,
+    ) -> f32 {
+        if self.pdf_w <= 0.0 {
+            return 1.0;
+        }
         let lights = tracer.scene.lights();
-        let (pdf_w_light, _) = lights.environment_densities(&self.from, self.choice, direction);
+        let (pdf_w_light, _) = lights.environment_densities(&self.from, choice, direction);
         power_heuristic(self.pdf_w, pdf_w_light)
     }
 }
 
-/// Density, 1/sr, with which a light would have been aimed at where a BSDF sample found it: the emitter, seen from
-/// the vertex before.
+/// Density, 1/sr, with which a light would have been aimed at where a BSDF sample found it: the
+/// emitter, seen from the vertex before.
 #[inline]
-fn pdf_w_of_emitter(tracer: &Tracer<'_>, drawn: &Drawn, emitter: &SurfaceVertex<'_>) -> f32 {
+fn pdf_w_of_emitter(
+    tracer: &Tracer<'_>,
+    from: &Receiver,
+    choice: LightChoice,
+    emitter: &SurfaceVertex<'_>,
+) -> f32 {
     let lights = tracer.scene.lights();
-    match lights.of_triangle(emitter.triangle) {
-        Some((index, light)) => {
-            let pmf = lights.pmf_aim(&drawn.from, drawn.choice, index);
-            let cos = emitter.cos_g(emitter.wo);
-            if cos > 0.0 {
-                pmf * pdf_w_from_pdf_a(
-                    light.pdf_a(emitter.barycentrics),
-                    cos,
-                    emitter.distance * emitter.distance,
-                )
-            } else {
-                0.0
-            }
-        }
-        None => 0.0,
+    let Some((index, light)) = lights.of_triangle(emitter.triangle) else {
+        return 0.0;
+    };
+    let cos = emitter.cos_g(emitter.wo);
+    if cos <= 0.0 {
+        return 0.0;
     }
+    let pdf_a = light.pdf_a(emitter.barycentrics);
+    let distance_squared = emitter.distance * emitter.distance;
+    lights.pmf_aim(from, choice, index) * pdf_w_from_pdf_a(pdf_a, cos, distance_squared)
 }
 
 impl Aimed {
+    /// At nothing.
+    pub(crate) const NOWHERE: Self = Self {
+        wi: Vec3::ZERO,
+        value: Rgb::BLACK,
+        pdf_w_light: 1.0,
+        pdf_w_bsdf: 0.0,
+        opacity: 1.0,
+    };
+
     /// What a vertex scatters of the light that it aims at; `None` if nothing.
     #[inline(always)]
     #[must_use]

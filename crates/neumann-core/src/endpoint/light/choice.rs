@@ -10,6 +10,7 @@ use super::build::build;
 use super::instances::LightInstance;
 use super::tree::{Importances, LightTree};
 use super::{Bounds, Light};
+use crate::math::lanes::side_by_side;
 use crate::sampling::discrete::AliasTable;
 
 /// A point of a surface that lights are aimed at from.
@@ -21,6 +22,11 @@ pub struct Receiver {
     pub normal: Vec3,
     /// 1 if only light on the side of the normal counts, -1 if light from either side does.
     pub(super) side: f32,
+}
+
+side_by_side! {
+    /// A receiver in each lane.
+    pub(crate) struct ReceiverLanes of Receiver { position: Vec3, normal: Vec3, side: f32 }
 }
 
 /// What a light to aim at is chosen by.
@@ -37,6 +43,13 @@ pub enum LightChoice {
 }
 
 impl Receiver {
+    /// In the place of a point that is not there.
+    pub const NOWHERE: Self = Self {
+        position: Vec3::ZERO,
+        normal: Vec3::Z,
+        side: 1.0,
+    };
+
     /// A point that scatters what comes from the normal's side, or from both sides.
     #[inline]
     #[must_use]

@@ -14,6 +14,7 @@ mod texels;
 mod tree;
 
 pub use area::{AreaLight, Emitter};
+pub(crate) use choice::ReceiverLanes;
 pub use choice::{Chosen, LightChoice, Receiver};
 pub use emission::{
     Emission, EmissiveCorners, EmissiveMaterial, MAX_EXTENT, VaryingEmission, max_extent,

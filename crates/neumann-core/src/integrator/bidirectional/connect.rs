@@ -63,10 +63,10 @@ pub fn hit_environment(
     let mis_weight = walk.receiver.map_or(1.0, |from| {
         let (pdf_aim, start) =
             lights.environment_densities(&from, LightChoice::Tree, walk.ray.direction());
-        weighing.hit(walk.partial, pdf_aim, start)
+        weighing.hit(walk.carried.partial, pdf_aim, start)
     });
     Some(contribution(
-        walk.throughput * radiance,
+        walk.carried.throughput * radiance,
         mis_weight,
         Strategy::hit(walk.n_vertices + 1),
     ))
@@ -178,9 +178,9 @@ pub fn hit_lens(
     let lens = camera.hit_lens(&walk.ray, nearest)?;
     let light = tracer.light_before_lens(&walk.ray, lens.distance, walk.media);
     let distance_squared = lens.distance * lens.distance;
-    let partial = weighing.arrive(walk.partial, distance_squared, lens.cos);
+    let partial = weighing.arrive(walk.carried.partial, distance_squared, lens.cos);
     let mis_weight = weighing.lens(partial, &lens);
-    let value = walk.throughput * light * (lens.importance / n_light_paths as f32);
+    let value = walk.carried.throughput * light * (lens.importance / n_light_paths as f32);
     let strategy = Strategy::lens(walk.n_vertices + 1);
     Some((lens.raster, contribution(value, mis_weight, strategy)))
 }

@@ -11,13 +11,11 @@ mod lanes;
 mod light;
 mod merging;
 mod subpath;
-#[cfg(test)]
-mod tests;
 pub mod walk;
 pub mod weights;
 
 pub(super) use camera::{CameraEnd, CameraRoom};
-pub(super) use light::{LightEnd, LightVertex};
+pub(super) use light::{LightEnd, LightVertex, ToLens};
 pub(super) use merging::{Mergeable, Merging};
 pub use walk::{Vertex, Walk};
 pub use weights::{Heuristic, Partial, Weighing};

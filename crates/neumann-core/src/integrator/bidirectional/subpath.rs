@@ -6,14 +6,14 @@
 use super::connect::{connect, connect_unshadowed, contribution};
 use super::lanes::{VertexLanes, knowing_heuristic};
 use super::{Heuristic, Vertex, Weighing};
-use crate::accel::RayLanes;
 use crate::bsdf::{Bsdf, Lambert};
 use crate::film::{Contribution, Strategy};
-use crate::math::lanes::{LANES, Lanes, vectorized};
-use crate::radiometry::{Rgb, RgbLanes};
+use crate::integrator::lanes::Unseen;
+use crate::math::lanes::{LANES, vectorized};
+use crate::radiometry::Rgb;
 use crate::render::PixelPlace;
 use crate::scene::Scene;
-use crate::transport::{SurfaceVertex, Tracer, is_segment};
+use crate::transport::{SurfaceVertex, Tracer};
 
 /// The vertices of a light subpath, to be connected to those of a camera subpath.
 pub(super) struct LightSubpath<'a> {
@@ -24,33 +24,22 @@ pub(super) struct LightSubpath<'a> {
     n_diffuse: usize,
     /// The rest.
     others: Vec<Vertex<'a>>,
-    joined: JoinedLanes,
+    /// What a camera vertex makes of the diffuse ones.
+    joined: Unseen,
 }
 
-/// What a camera vertex makes of the diffuse ones.
+/// Connections of which it is not known yet whether anything is in between: asked when there are
+/// enough for all lanes, and at the end of each step.
 #[derive(Default)]
-struct JoinedLanes {
-    value: RgbLanes,
-    mis_weight: Lanes<f32>,
-    segments: RayLanes,
-    is_joined: Lanes<u32>,
-    is_apart: Lanes<u32>,
-}
-
-/// Connections of which it is not known yet whether anything is in between: asked when there are enough for all lanes, and at the end of
-/// each step.
-#[derive(Default)]
-pub(super) struct Unseen {
+pub(super) struct Waiting {
     n: usize,
-    segments: RayLanes,
-    value: RgbLanes,
-    mis_weight: Lanes<f32>,
+    light: Unseen,
     /// Vertices of the light's and of the camera's subpath.
     n_vertices: [[u16; 2]; LANES],
     places: [PixelPlace; LANES],
 }
 
-impl Unseen {
+impl Waiting {
     /// Hands what is seen of all to `add`, with the place that it belongs to.
     pub(super) fn see(
         &mut self,
@@ -60,16 +49,10 @@ impl Unseen {
         if self.n == 0 {
             return;
         }
-        self.segments.set_mask(!(!0 << self.n));
-        let shares = tracer.transmittances(&self.segments);
-        for (lane, share) in shares.into_iter().enumerate().take(self.n) {
-            if share > 0.0 {
-                let [s, t] = self.n_vertices[lane];
-                let value = self.value.get(lane) * share;
-                let strategy = Strategy::connect(s, t);
-                let found = contribution(value, self.mis_weight.get(lane), strategy);
-                add(self.places[lane], found);
-            }
+        for seen in self.light.see(!(!0 << self.n), tracer) {
+            let [s, t] = self.n_vertices[seen.lane];
+            let found = contribution(seen.value, seen.mis_weight, Strategy::connect(s, t));
+            add(self.places[seen.lane], found);
         }
         self.n = 0;
     }
@@ -83,7 +66,7 @@ impl<'a> LightSubpath<'a> {
             n_vertices: [0; LANES],
             n_diffuse: 0,
             others: Vec::new(),
-            joined: JoinedLanes::default(),
+            joined: Unseen::default(),
         }
     }
 
@@ -115,7 +98,7 @@ impl<'a> LightSubpath<'a> {
         camera: &Vertex<'_>,
         max_bounces: u32,
         weighing: &Weighing,
-        unseen: &mut Unseen,
+        waiting: &mut Waiting,
         place: PixelPlace,
         mut add: impl FnMut(PixelPlace, Contribution),
     ) {
@@ -131,24 +114,16 @@ impl<'a> LightSubpath<'a> {
                 let joined = &mut self.joined;
                 join(camera, lambert, &self.diffuse, weighing, joined);
                 for lane in 0..n {
-                    if joined.is_joined.get(lane) == 0 {
+                    if !joined.is_there(lane) {
                         continue;
                     }
-                    let [s, t] = [self.n_vertices[lane], camera.n_vertices];
-                    let (value, weight) = (joined.value.get(lane), joined.mis_weight.get(lane));
-                    if joined.is_apart.get(lane) == 0 {
-                        add(place, contribution(value, weight, Strategy::connect(s, t)));
-                        continue;
-                    }
-                    let to = unseen.n;
-                    unseen.segments.copy(to, &joined.segments, lane);
-                    unseen.value.set(to, value);
-                    unseen.mis_weight.set(to, weight);
-                    unseen.n_vertices[to] = [s, t];
-                    unseen.places[to] = place;
-                    unseen.n += 1;
-                    if unseen.n == LANES {
-                        unseen.see(tracer, &mut add);
+                    let to = waiting.n;
+                    waiting.light.copy(to, joined, lane);
+                    waiting.n_vertices[to] = [self.n_vertices[lane], camera.n_vertices];
+                    waiting.places[to] = place;
+                    waiting.n += 1;
+                    if waiting.n == LANES {
+                        waiting.see(tracer, &mut add);
                     }
                 }
             }
@@ -172,7 +147,7 @@ impl<'a> LightSubpath<'a> {
 
 vectorized! {
     /// Connects a diffuse vertex to those of all lanes.
-    fn join(camera: &Vertex<'_>, lambert: Lambert, lights: &VertexLanes<'_>, weighing: &Weighing, joined: &mut JoinedLanes) {
+    fn join(camera: &Vertex<'_>, lambert: Lambert, lights: &VertexLanes<'_>, weighing: &Weighing, joined: &mut Unseen) {
         knowing_heuristic!(weighing => join_lanes(camera, lambert, lights, weighing, joined));
     }
 }
@@ -183,7 +158,7 @@ fn join_lanes(
     lambert: Lambert,
     lights: &VertexLanes<'_>,
     weighing: &Weighing,
-    joined: &mut JoinedLanes,
+    joined: &mut Unseen,
 ) {
     let camera = Vertex {
         surface: SurfaceVertex {
@@ -196,24 +171,25 @@ fn join_lanes(
         let light = lights.get(lane, 0);
         let joint = connect_unshadowed(&camera, &light, weighing);
         let value = joint.as_ref().map_or(Rgb::BLACK, |joint| joint.value);
-        joined.value.set(lane, value);
-        joined
-            .mis_weight
-            .set(lane, joint.as_ref().map_or(0.0, |joint| joint.mis_weight));
-        joined.is_joined.set(lane, u32::from(joint.is_some()));
+        let mis_weight = joint.as_ref().map_or(0.0, |joint| joint.mis_weight);
         let (from, to) = (&camera.surface.point, &light.surface.point);
-        let segment = from.segment_to(to);
-        joined.segments.set_segment(lane, &segment);
-        joined.is_apart.set(lane, u32::from(is_segment(&segment)));
+        joined.set(
+            lane,
+            joint.is_some(),
+            value,
+            mis_weight,
+            &from.segment_to(to),
+        );
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{LightSubpath, Unseen, connect};
+    use super::{LightSubpath, Waiting, connect};
     use crate::endpoint::Camera;
     use crate::film::Contribution;
     use crate::integrator::bidirectional::{Heuristic, Vertex, Walk, Weighing};
+    use crate::radiometry::Rgb;
     use crate::render::PixelPlace;
     use crate::sampling::Sampler;
     use crate::scene::Scene;
@@ -227,7 +203,7 @@ mod tests {
     fn subpath<'a>(
         mut walk: Walk,
         tracer: &mut Tracer<'a>,
-        sampler: &mut Sampler<'_>,
+        sampler: &Sampler<'_>,
         weighing: &Weighing,
     ) -> Vec<Vertex<'a>> {
         let mut vertices = Vec::new();
@@ -235,8 +211,8 @@ mod tests {
             if vertex.surface.bsdf.has_density() {
                 vertices.push(vertex);
             }
-            sampler.start_bounce(walk.bounce());
-            if walk.bounce() == MAX_BOUNCES || !walk.scatter(&vertex, sampler, false, weighing) {
+            let u = sampler.bounce(walk.bounce());
+            if walk.bounce() == MAX_BOUNCES || !walk.scatter(&vertex, &u, false, weighing) {
                 break;
             }
         }
@@ -250,26 +226,26 @@ mod tests {
             let camera = Camera::new(&scene.cameras()[0], 1, 1);
             let mut tracer = Tracer::new(&scene);
             let mut light_subpath = LightSubpath::new(&scene);
-            let mut unseen = Unseen::default();
+            let mut waiting = Waiting::default();
             let (mut n_connections, mut n_abreast) = (0, 0);
             for heuristic in [Heuristic::Balance, Heuristic::Power, Heuristic::Average] {
                 let weighing = Weighing::connections(heuristic, 1.0).merges(100, 0.01, true);
                 for i in 0..300 {
-                    let mut sampler = Sampler::new(31, i, 0);
-                    let Some(start) = scene.lights().start(&start_sample(&mut sampler)) else {
+                    let sampler = Sampler::new(31, i, 0);
+                    let Some(start) = scene.lights().start(&start_sample(&sampler.start())) else {
                         continue;
                     };
                     let walk = Walk::from_light(&start, &mut tracer, &weighing);
                     light_subpath.clear();
-                    let lights = subpath(walk, &mut tracer, &mut sampler, &weighing);
+                    let lights = subpath(walk, &mut tracer, &sampler, &weighing);
                     for light in &lights {
                         light_subpath.push(light);
                     }
-                    let mut sampler = Sampler::new(32, i, 0);
-                    let raster = sampler.next_2d().into();
-                    let u = sampler.next_2d();
-                    let walk = Walk::from_camera(&camera, raster, u, &mut tracer, &weighing);
-                    for vertex in subpath(walk, &mut tracer, &mut sampler, &weighing) {
+                    let sampler = Sampler::new(32, i, 0);
+                    let u = sampler.start();
+                    let raster = u.film.into();
+                    let walk = Walk::from_camera(&camera, raster, u.lens, &mut tracer, &weighing);
+                    for vertex in subpath(walk, &mut tracer, &sampler, &weighing) {
                         let mut found: Vec<Contribution> = Vec::new();
                         let mut add = |_, c| found.push(c);
                         light_subpath.connect(
@@ -277,11 +253,11 @@ mod tests {
                             &vertex,
                             MAX_BOUNCES,
                             &weighing,
-                            &mut unseen,
+                            &mut waiting,
                             PixelPlace::default(),
                             &mut add,
                         );
-                        unseen.see(&mut tracer, &mut add);
+                        waiting.see(&mut tracer, &mut add);
                         let is_short = |light: &&Vertex<'_>| {
                             u32::from(light.n_vertices + vertex.n_vertices) <= MAX_BOUNCES + 2
                         };

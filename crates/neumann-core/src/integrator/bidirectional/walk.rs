@@ -10,18 +10,20 @@ use crate::accel::Hit;
 use crate::bsdf::TransportMode;
 use crate::endpoint::{Camera, LightChoice, Lights, Receiver, Spread, Start};
 use crate::math::Ray;
+use crate::math::lanes::side_by_side;
 use crate::photons::Photon;
 use crate::radiometry::Rgb;
-use crate::sampling::{Sampler, roulette};
+use crate::sampling::{BounceNumbers, roulette};
 use crate::scene::bodies::Media;
-use crate::transport::{SurfaceVertex, Tracer};
+use crate::transport::{SurfaceVertex, Tracer, VertexSample};
 
 /// A vertex of a subpath, on a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex<'a> {
     /// The surface there.
     pub surface: SurfaceVertex<'a>,
-    /// Throughput of the subpath up to here, scattering not included; with the light's power, for one from a light.
+    /// Throughput of the subpath up to here, scattering not included; with the light's power, for
+    /// one from a light.
     pub throughput: Rgb,
     /// What the weights need to know of the subpath.
     pub partial: Partial,
@@ -47,7 +49,95 @@ impl Vertex<'_> {
     }
 }
 
-/// The running quantities at the first vertex that a light subpath meets, from which its light may have been aimed at.
+/// What a subpath carries from vertex to vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Carried {
+    /// Throughput along the next segment, or up to the vertex that it has met.
+    pub throughput: Rgb,
+    /// Throughput at the start, for the roulette.
+    pub(super) initial: f32,
+    /// The running quantities; along a segment, without its geometry.
+    pub partial: Partial,
+}
+
+side_by_side! {
+    /// What the subpaths of all lanes carry.
+    pub(crate) struct CarriedLanes of Carried {
+        throughput: Rgb,
+        initial: f32,
+        partial: Partial,
+    }
+}
+
+/// The number that decides whether a subpath goes on, if it is asked.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Roulette {
+    pub(super) is_on: bool,
+    pub(super) number: f32,
+}
+
+impl Carried {
+    /// What a subpath from a light starts with.
+    #[inline(always)]
+    pub(super) fn of_light(start: &Start, weighing: &Weighing) -> Self {
+        let throughput = start.throughput();
+        Self {
+            throughput,
+            initial: throughput.max_channel(),
+            partial: weighing.of_light(start),
+        }
+    }
+
+    /// Takes the segment that has met a surface into account.
+    #[inline(always)]
+    pub(super) fn arrive(
+        &mut self,
+        surface: &SurfaceVertex<'_>,
+        comes_from_infinity: bool,
+        weighing: &Weighing,
+    ) {
+        if weighing.has_others() {
+            let d2 = surface.distance * surface.distance;
+            let d2 = if comes_from_infinity { 1.0 } else { d2 };
+            let cos = surface.cos_g(surface.wo);
+            self.partial = weighing.arrive(self.partial, d2, cos);
+        }
+    }
+
+    /// Takes the scattering event after `bounce` others into account, with the direction that was
+    /// drawn; false where the subpath ends.
+    #[inline(always)]
+    pub(super) fn leave(
+        &mut self,
+        surface: &SurfaceVertex<'_>,
+        bounce: u32,
+        sample: &VertexSample,
+        mode: TransportMode,
+        roulette: Roulette,
+        weighing: &Weighing,
+    ) -> bool {
+        self.throughput *= sample.throughput();
+        let survival = if roulette.is_on && !sample.is_delta {
+            roulette::survival_after(bounce, self.throughput / self.initial)
+        } else {
+            1.0
+        };
+        self.throughput *= 1.0 / survival;
+        if weighing.has_others() {
+            self.partial = weighing.scatter(
+                self.partial,
+                surface.cos_g(sample.wi),
+                sample.pdf_w,
+                surface.pdf_w_reverse(sample, mode),
+                sample.is_delta,
+            );
+        }
+        roulette.number < survival
+    }
+}
+
+/// The running quantities at the first vertex that a light subpath meets, from which its light may
+/// have been aimed at.
 #[inline(always)]
 pub(super) fn of_first(
     partial: Partial,
@@ -66,12 +156,8 @@ pub struct Walk {
     pub(super) mode: TransportMode,
     /// The segment that comes next.
     pub ray: Ray,
-    /// Throughput along it.
-    pub throughput: Rgb,
-    /// Throughput at the start, for the roulette.
-    pub(super) initial: f32,
-    /// The running quantities, without the geometry of the next segment.
-    pub partial: Partial,
+    /// What it carries along.
+    pub carried: Carried,
     /// What the next segment runs through.
     pub media: Media,
     /// Vertices so far.
@@ -100,9 +186,11 @@ impl Walk {
         Self {
             mode: TransportMode::Radiance,
             ray: start.ray,
-            throughput: Rgb::WHITE,
-            initial: 1.0,
-            partial: weighing.of_camera(&start),
+            carried: Carried {
+                throughput: Rgb::WHITE,
+                initial: 1.0,
+                partial: weighing.of_camera(&start),
+            },
             media: tracer.media_at_camera(&start.ray),
             n_vertices: 1,
             receiver: None,
@@ -115,18 +203,25 @@ impl Walk {
     /// A subpath that starts at a light.
     #[must_use]
     pub fn from_light(start: &Start, tracer: &mut Tracer<'_>, weighing: &Weighing) -> Self {
-        let throughput = start.throughput();
+        Self {
+            media: tracer.media_at_light(start),
+            comes_from_infinity: start.is_at_infinity(),
+            ..Self::leaving_light(start.ray(), Carried::of_light(start, weighing), start.light)
+        }
+    }
+
+    /// The same from a light that has a place, in vacuum.
+    #[inline(always)]
+    pub(super) fn leaving_light(ray: Ray, carried: Carried, light: usize) -> Self {
         Self {
             mode: TransportMode::Importance,
-            ray: start.ray(),
-            throughput,
-            initial: throughput.max_channel(),
-            partial: weighing.of_light(start),
-            media: tracer.media_at_light(start),
+            ray,
+            carried,
+            media: Media::VACUUM,
             n_vertices: 1,
             receiver: None,
-            light: Some(start.light),
-            comes_from_infinity: start.is_at_infinity(),
+            light: Some(light),
+            comes_from_infinity: false,
             is_specular: true,
         }
     }
@@ -147,25 +242,21 @@ impl Walk {
         weighing: &Weighing,
     ) -> Option<Vertex<'a>> {
         let ray = self.ray;
-        let surface = tracer.arrive(&ray, found, &mut self.media, &mut self.throughput)?;
-        if weighing.has_others() {
-            let d2 = if self.comes_from_infinity {
-                1.0
-            } else {
-                surface.distance * surface.distance
-            };
-            self.partial = weighing.arrive(self.partial, d2, surface.cos_g(surface.wo));
-            if let Some(light) = self.light.take() {
-                let lights = tracer.scene.lights();
-                self.partial = of_first(self.partial, lights, light, &surface.receiver(), weighing);
-            }
+        let carried = &mut self.carried;
+        let surface = tracer.arrive(&ray, found, &mut self.media, &mut carried.throughput)?;
+        carried.arrive(&surface, self.comes_from_infinity, weighing);
+        if weighing.has_others()
+            && let Some(light) = self.light.take()
+        {
+            let (lights, receiver) = (tracer.scene.lights(), surface.receiver());
+            carried.partial = of_first(carried.partial, lights, light, &receiver, weighing);
         }
         self.comes_from_infinity = false;
         self.n_vertices += 1;
         Some(Vertex {
             surface,
-            throughput: self.throughput,
-            partial: self.partial,
+            throughput: carried.throughput,
+            partial: carried.partial,
             media: self.media,
             n_vertices: self.n_vertices,
         })
@@ -183,37 +274,27 @@ impl Walk {
     pub fn scatter(
         &mut self,
         vertex: &Vertex<'_>,
-        sampler: &mut Sampler<'_>,
+        u: &BounceNumbers,
         has_roulette: bool,
         weighing: &Weighing,
     ) -> bool {
-        let bounce = self.bounce();
-        let [a, b] = sampler.next_2d();
-        let u = [sampler.next_1d(), a, b];
-        let Some(sample) = vertex.surface.sample(u, self.mode) else {
+        let surface = &vertex.surface;
+        let Some(sample) = surface.sample(u.bsdf(), self.mode) else {
             return false;
         };
-        self.throughput *= sample.throughput();
-        if has_roulette && !sample.is_delta {
-            let relative = self.throughput / self.initial;
-            let Some(factor) = roulette::play(bounce, relative, sampler) else {
-                return false;
-            };
-            self.throughput *= factor;
-        }
-        if weighing.has_others() {
-            self.partial = weighing.scatter(
-                self.partial,
-                vertex.surface.cos_g(sample.wi),
-                sample.pdf_w,
-                vertex.surface.pdf_w_reverse(&sample, self.mode),
-                sample.is_delta,
-            );
+        let roulette = Roulette {
+            is_on: has_roulette,
+            number: u.roulette,
+        };
+        let (bounce, mode) = (self.bounce(), self.mode);
+        let carried = &mut self.carried;
+        if !carried.leave(surface, bounce, &sample, mode, roulette, weighing) {
+            return false;
         }
         self.is_specular &= sample.is_delta;
-        self.receiver = Some(vertex.surface.receiver());
-        self.media = vertex.surface.media_towards(sample.wi, self.media);
-        self.ray = vertex.surface.ray(sample.wi);
+        self.receiver = Some(surface.receiver());
+        self.media = surface.media_towards(sample.wi, self.media);
+        self.ray = surface.ray(sample.wi);
         true
     }
 }

@@ -20,6 +20,7 @@
 use glam::Vec3;
 
 use crate::endpoint::{Aim, CameraRay, LensHit, Spread, Start, StartDensities};
+use crate::math::lanes::side_by_side;
 use crate::transport::{Scattering, SurfaceVertex};
 
 /// How the densities of techniques become weights ([Veach 1997] 9.2).
@@ -58,6 +59,11 @@ pub struct Partial {
     pub d_vc: f32,
     /// Merges before this vertex.
     pub d_vm: f32,
+}
+
+side_by_side! {
+    /// The running quantities in each lane.
+    pub(crate) struct PartialLanes of Partial { d_vcm: f32, d_vc: f32, d_vm: f32 }
 }
 
 /// What all weights of an iteration have in common.
@@ -147,6 +153,7 @@ impl Weighing {
 
     /// Quantities of a ray as a light starts it, (31)-(33) without the geometry of the first segment and without the
     /// choice of the light, see [`Self::choose`].
+    #[inline(always)]
     #[must_use]
     pub fn of_light(&self, start: &Start) -> Partial {
         let is_delta = start.is_delta_position || start.is_delta_direction;
@@ -162,6 +169,7 @@ impl Weighing {
         self.of_start(first_density(start.spread), lens, self.light_paths)
     }
 
+    #[inline(always)]
     fn of_start(&self, pdf: f32, back: Option<(f32, StartDensities)>, n: f32) -> Partial {
         let d_vc = back.map_or(0.0, |(cos, densities)| {
             self.of(n * cos / (densities.pdf_a * densities.pdf_w))
@@ -337,6 +345,7 @@ impl EndDensities {
 }
 
 /// Density of the first segment without its geometry: 1/sr from a point, 1/m² from infinity.
+#[inline(always)]
 fn first_density(spread: Spread) -> f32 {
     match spread {
         Spread::Point { pdf_w } => pdf_w,

@@ -8,7 +8,6 @@ use crate::bsdf::TransportMode;
 use crate::integrator::{Integrator, Method, ParameterValues, Sight};
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass};
-use crate::sampling::Sampler;
 use crate::scene::Scene;
 
 use super::{add_unlit, hit};
@@ -37,7 +36,7 @@ impl Integrator for BsdfSampling {
         let max_bounces = pass.max_bounces();
         let camera = pass.camera();
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
-            let mut ray = camera.ray(raster, sampler.next_2d()).ray;
+            let mut ray = camera.ray(raster, sampler.start().lens).ray;
             let mut throughput = Rgb::WHITE;
             let mut media = tracer.media_at_camera(&ray);
             for bounce in 0..=max_bounces {
@@ -55,7 +54,8 @@ impl Integrator for BsdfSampling {
                 sink.add(hit(bounce, throughput * tracer.emitted(&vertex), 1.0));
 
                 // Draw a direction from the BSDF, and on to the next vertex.
-                let Some(sample) = vertex.sample(bsdf_numbers(sampler, bounce), MODE) else {
+                let u = sampler.bounce(bounce);
+                let Some(sample) = vertex.sample(u.bsdf(), MODE) else {
                     return;
                 };
                 throughput *= sample.throughput();
@@ -71,11 +71,3 @@ impl Integrator for BsdfSampling {
 }
 
 pub(in crate::integrator) const MODE: TransportMode = TransportMode::Radiance;
-
-/// Random numbers for the direction at bounce number `bounce`, as [`Scatter::sample`](crate::bsdf::Scatter::sample) takes them.
-#[inline]
-pub(in crate::integrator) fn bsdf_numbers(sampler: &mut Sampler<'_>, bounce: u32) -> [f32; 3] {
-    sampler.start_bounce(bounce);
-    let [a, b] = sampler.next_2d();
-    [sampler.next_1d(), a, b]
-}

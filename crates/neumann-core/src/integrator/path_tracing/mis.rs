@@ -7,12 +7,14 @@
 //! ([`crate::transport::casters`]). Where such a sky is the only light, a path splits in two at its first surface: nearly all of the
 //! error is in what of the sky is seen from there. Long paths end by Russian roulette on their throughput.
 //!
-//! `Walk::step` is the method. `abreast` takes sixteen paths through it side by side, which changes no bit.
+//! `Walk::step` is the method. `mis_lanes` takes sixteen paths through it side by side, which changes
+//! no bit.
 
 use crate::accel::Hit;
 use crate::endpoint::LightChoice;
 use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
 use crate::math::Ray;
+use crate::math::lanes::side_by_side;
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass, Sink};
 use crate::sampling::{Sampler, roulette};
@@ -20,11 +22,11 @@ use crate::scene::bodies::Media;
 use crate::scene::{Caster, Scene};
 use crate::transport::casters::Cones;
 use crate::transport::reflection::{Drawn, aim_at_light, light_sample};
-use crate::transport::{SurfaceVertex, Tracer};
+use crate::transport::{SurfaceVertex, Tracer, VertexSample};
 
-use super::abreast;
 use super::adaptive::{ADAPTIVE, Adaptive};
-use super::bsdf::{MODE, bsdf_numbers};
+use super::bsdf::MODE;
+use super::mis_lanes;
 use super::nee::{LIGHTS, light_choice};
 use super::{add_unlit, connect, hit};
 
@@ -101,7 +103,7 @@ impl Integrator for Mis {
             },
         };
         pass.trace_pixels_together(scene, |pixels, tracer, sink| {
-            abreast::trace(&walk, camera, pixels, tracer, sink);
+            mis_lanes::trace(&walk, camera, pixels, tracer, sink);
         })
     }
 
@@ -125,18 +127,29 @@ pub(super) struct Walk<'a> {
 /// Paths that one splits into.
 pub(super) const N_SPLITS: u8 = 2;
 
+/// What a path carries from vertex to vertex.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carried {
+    pub(super) throughput: Rgb,
+    /// Scattering events so far that were not at delta lobes.
+    n_events: u32,
+    /// Where the ray's direction was drawn.
+    drawn: Drawn,
+}
+
+side_by_side! {
+    /// What the paths of all lanes carry.
+    pub(super) struct CarriedLanes of Carried { throughput: Rgb, n_events: u32, drawn: Drawn }
+}
+
 /// A path on its way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Path {
     pub(super) ray: Ray,
-    pub(super) throughput: Rgb,
+    pub(super) carried: Carried,
     pub(super) media: Media,
-    /// Scattering events so far,
+    /// Scattering events so far.
     pub(super) bounce: u32,
-    /// and those of them that were not at delta lobes.
-    pub(super) n_events: u32,
-    /// Where the ray's direction was drawn; nothing where it could not have been aimed.
-    pub(super) drawn: Option<Drawn>,
 }
 
 impl Path {
@@ -144,11 +157,13 @@ impl Path {
     pub(super) fn new(ray: Ray, tracer: &mut Tracer<'_>) -> Self {
         Self {
             ray,
-            throughput: Rgb::WHITE,
+            carried: Carried {
+                throughput: Rgb::WHITE,
+                n_events: 0,
+                drawn: Drawn::NOWHERE,
+            },
             media: tracer.media_at_camera(&ray),
             bounce: 0,
-            n_events: 0,
-            drawn: None,
         }
     }
 }
@@ -170,16 +185,16 @@ impl Walk<'_> {
         path: Path,
         found: Option<&Hit>,
         tracer: &mut Tracer<'_>,
-        sampler: &mut Sampler<'_>,
+        sampler: &Sampler<'_>,
         others: impl Iterator<Item = Sampler<'t>>,
         sink: &mut Sink<'_>,
         mut split_off: impl FnMut(Path, Sampler<'t>),
     ) -> Option<Path> {
         let (mut path, vertex) = self.meet(path, found, tracer, sink)?;
         if self.splits && path.bounce == 0 && vertex.bsdf.has_density() {
-            path.throughput *= 1.0 / f32::from(N_SPLITS);
-            for mut sampler in others {
-                if let Some(next) = self.scatter(path, &vertex, tracer, &mut sampler, sink) {
+            path.carried.throughput *= 1.0 / f32::from(N_SPLITS);
+            for sampler in others {
+                if let Some(next) = self.scatter(path, &vertex, tracer, &sampler, sink) {
                     split_off(next, sampler);
                 }
             }
@@ -199,14 +214,14 @@ impl Walk<'_> {
         let bounce = path.bounce;
         // What does the ray meet? Nothing: the environment emits.
         let ray = path.ray;
-        let Some(vertex) = tracer.arrive(&ray, found, &mut path.media, &mut path.throughput) else {
-            let direction = path.ray.direction();
+        let (media, carried) = (&mut path.media, &mut path.carried);
+        let Some(vertex) = tracer.arrive(&ray, found, media, &mut carried.throughput) else {
+            let direction = ray.direction();
             let radiance = self.scene.lights().environment_radiance(direction);
             if !radiance.is_black() {
-                let weight = path
-                    .drawn
-                    .map_or(1.0, |d| d.mis_weight_of_environment(tracer, direction));
-                sink.add(hit(bounce, path.throughput * radiance, weight));
+                let drawn = &carried.drawn;
+                let weight = drawn.mis_weight_of_environment(tracer, self.choice, direction);
+                sink.add(hit(bounce, carried.throughput * radiance, weight));
             }
             return None;
         };
@@ -217,8 +232,8 @@ impl Walk<'_> {
         // L_e that was run into, against having been aimed at.
         let emitted = tracer.emitted(&vertex);
         if !emitted.is_black() {
-            let weight = path.drawn.map_or(1.0, |d| d.mis_weight(tracer, &vertex));
-            sink.add(hit(bounce, path.throughput * emitted, weight));
+            let weight = carried.drawn.mis_weight(tracer, self.choice, &vertex);
+            sink.add(hit(bounce, carried.throughput * emitted, weight));
         }
         (bounce < self.max_bounces).then_some((path, vertex))
     }
@@ -229,24 +244,24 @@ impl Walk<'_> {
         mut path: Path,
         vertex: &SurfaceVertex<'_>,
         tracer: &mut Tracer<'_>,
-        sampler: &mut Sampler<'_>,
+        sampler: &Sampler<'_>,
         sink: &mut Sink<'_>,
     ) -> Option<Path> {
         let (bounce, media) = (path.bounce, path.media);
+        let u = sampler.bounce(bounce);
 
         // Draw a direction from the BSDF, or towards a mirror or glass.
         let cones = Cones::seen_from(vertex, self.casters);
-        let u = bsdf_numbers(sampler, bounce);
         let sample = match &cones {
-            Some(cones) => cones.sample(vertex, u, MODE),
-            None => vertex.sample(u, MODE),
+            Some(cones) => cones.sample(vertex, u.bsdf(), MODE),
+            None => vertex.sample(u.bsdf(), MODE),
         };
 
         // The next event, aimed at, against running into it.
         if vertex.bsdf.has_density() {
-            let u = light_sample(sampler);
-            if let Some(aimed) = aim_at_light(tracer, vertex, media, self.choice, &u) {
-                let value = path.throughput * aimed.value;
+            let light = light_sample(&u);
+            if let Some(aimed) = aim_at_light(tracer, vertex, media, self.choice, &light) {
+                let value = path.carried.throughput * aimed.value;
                 let aimed = cones.map_or(aimed, |cones| cones.beside(aimed));
                 sink.add(connect(bounce + 1, value, aimed.mis_weight()));
             }
@@ -254,19 +269,37 @@ impl Walk<'_> {
 
         // On to the next vertex.
         let sample = sample?;
-        path.throughput *= sample.throughput();
-        path.drawn = Drawn::at(vertex, self.choice, &sample);
-
-        // Paths that carry little end by chance.
-        if !sample.is_delta {
-            if self.has_roulette {
-                path.throughput *= roulette::play(path.n_events, path.throughput, sampler)?;
-            }
-            path.n_events += 1;
+        if !self.leave(&mut path.carried, vertex, &sample, u.roulette) {
+            return None;
         }
         path.media = vertex.media_towards(sample.wi, media);
         path.ray = vertex.ray(sample.wi);
         path.bounce += 1;
         Some(path)
+    }
+
+    /// Takes a direction that was drawn into account; false where the path ends by chance, as those
+    /// do that carry little.
+    #[inline(always)]
+    pub(super) fn leave(
+        &self,
+        carried: &mut Carried,
+        vertex: &SurfaceVertex<'_>,
+        sample: &VertexSample,
+        roulette: f32,
+    ) -> bool {
+        carried.throughput *= sample.throughput();
+        carried.drawn = Drawn::at(vertex, sample);
+        if sample.is_delta {
+            return true;
+        }
+        let survival = if self.has_roulette {
+            roulette::survival_after(carried.n_events, carried.throughput)
+        } else {
+            1.0
+        };
+        carried.throughput *= 1.0 / survival;
+        carried.n_events += 1;
+        roulette < survival
     }
 }

@@ -4,10 +4,10 @@
 //! [`nee`] also aims at the lights; [`mis`] weighs both and ends paths by chance. `adaptive` has more
 //! paths where the picture is noisy.
 
-mod abreast;
 mod adaptive;
 pub mod bsdf;
 pub mod mis;
+mod mis_lanes;
 pub mod naive;
 pub mod nee;
 

@@ -46,7 +46,7 @@ impl Integrator for Naive {
         let max_bounces = pass.max_bounces();
         let camera = pass.camera();
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
-            let mut ray = camera.ray(raster, sampler.next_2d()).ray;
+            let mut ray = camera.ray(raster, sampler.start().lens).ray;
             let mut throughput = Rgb::WHITE;
             let mut media = tracer.media_at_camera(&ray);
             for bounce in 0..=max_bounces {
@@ -64,8 +64,7 @@ impl Integrator for Naive {
                 sink.add(hit(bounce, throughput * tracer.emitted(&vertex), 1.0));
 
                 // Draw a direction uniformly.
-                sampler.start_bounce(bounce);
-                let u = sampler.next_2d();
+                let u = sampler.bounce(bounce).direction;
                 let (local, pdf_w) = if vertex.bsdf.is_transmissive() {
                     (warp::uniform_sphere(u), warp::UNIFORM_SPHERE_PDF_W)
                 } else {

@@ -12,7 +12,7 @@ use crate::render::{Cancelled, Pass};
 use crate::scene::Scene;
 use crate::transport::reflection::{aim_at_light, light_sample};
 
-use super::bsdf::{MODE, bsdf_numbers};
+use super::bsdf::MODE;
 use super::{add_unlit, connect, hit};
 
 /// The row of the registry.
@@ -62,7 +62,7 @@ impl Integrator for NextEvent {
         let camera = pass.camera();
         let choice = self.choice;
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
-            let mut ray = camera.ray(raster, sampler.next_2d()).ray;
+            let mut ray = camera.ray(raster, sampler.start().lens).ray;
             let mut throughput = Rgb::WHITE;
             let mut media = tracer.media_at_camera(&ray);
             let mut is_specular = true;
@@ -88,16 +88,16 @@ impl Integrator for NextEvent {
                 }
 
                 // The next event: light that scatters here, aimed at.
-                let u = bsdf_numbers(sampler, bounce);
+                let u = sampler.bounce(bounce);
                 if vertex.bsdf.has_density() {
-                    let u = light_sample(sampler);
-                    if let Some(aimed) = aim_at_light(tracer, &vertex, media, choice, &u) {
+                    let light = light_sample(&u);
+                    if let Some(aimed) = aim_at_light(tracer, &vertex, media, choice, &light) {
                         sink.add(connect(bounce + 1, throughput * aimed.value, 1.0));
                     }
                 }
 
                 // Draw a direction from the BSDF, and on to the next vertex.
-                let Some(sample) = vertex.sample(u, MODE) else {
+                let Some(sample) = vertex.sample(u.bsdf(), MODE) else {
                     return;
                 };
                 throughput *= sample.throughput();

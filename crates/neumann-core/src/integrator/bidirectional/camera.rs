@@ -1,30 +1,51 @@
-//! Sixteen camera subpaths abreast ([`crate::integrator::abreast`]).
+//! Camera subpaths: every vertex is joined with the lights and with the vertices of light subpaths.
+//!
+//! Sixteen walk side by side ([`crate::integrator::lanes`]). A step is made alone
+//! ([`CameraEnd::step`]) or with those of other lanes; the order in which contributions to a pixel
+//! are added is all that this changes.
 
-use super::CameraEnd;
-use crate::accel::RayLanes;
+use super::connect::{
+    contribution, hit_emitter, hit_environment, next_event, next_event_unshadowed,
+};
+use super::lanes::{Directions, VertexLanes, WalkLanes, knowing_heuristic};
+use super::light::LightVertex;
+use super::merging::Merging;
+use super::subpath::{LightSubpath, Waiting};
+use super::{Heuristic, Vertex, Walk, Weighing};
+use crate::accel::Hit;
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::PanelLanes;
-use crate::endpoint::{Aim, LightChoice, SurfacePoint};
+use crate::endpoint::{Aim, Camera, LightChoice, SurfacePoint};
 use crate::film::Strategy;
-use crate::integrator::bidirectional::connect::{contribution, next_event_unshadowed};
-use crate::integrator::bidirectional::lanes::{
-    Directions, VertexLanes, WalkLanes, knowing_heuristic,
-};
-use crate::integrator::bidirectional::light::LightVertex;
-use crate::integrator::bidirectional::subpath::{LightSubpath, Unseen};
-use crate::integrator::bidirectional::{Heuristic, Vertex, Weighing};
+use crate::integrator::lanes::Unseen;
+use crate::integrator::path_tracing::{add_unlit, hit};
 use crate::math::lanes::{LANES, Lanes, lanes_of, vectorized};
 use crate::photons::{Near, Search};
-use crate::radiometry::{Rgb, RgbLanes};
-use crate::render::{PixelPath, PixelPlace, Pixels, Sink};
+use crate::radiometry::Rgb;
+use crate::render::{PixelPath, PixelPlace, PixelSample, Pixels, Sink};
+use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::transport::{Tracer, is_segment};
+use crate::transport::Tracer;
+use crate::transport::reflection::light_sample;
+
+/// How camera subpaths walk, and what they are joined with.
+pub(in crate::integrator) struct CameraEnd<'a> {
+    pub(in crate::integrator) scene: &'a Scene,
+    pub(in crate::integrator) camera: &'a Camera,
+    pub(in crate::integrator) max_bounces: u32,
+    pub(in crate::integrator) has_roulette: bool,
+    /// Whether subpaths are joined by segments.
+    pub(in crate::integrator) has_connections: bool,
+    /// What vertices are merged with, if they are.
+    pub(in crate::integrator) merging: Option<Merging<'a>>,
+    pub(in crate::integrator) weighing: Weighing,
+}
 
 /// Memory for the subpaths of a tile, which the next one may use again.
 pub(in crate::integrator) struct CameraRoom<'s> {
     /// What each lane's subpath is connected to.
     lights: Vec<LightSubpath<'s>>,
-    unseen: Unseen,
+    waiting: Waiting,
     vertices: VertexLanes<'s>,
     events: Events,
     directions: Directions,
@@ -49,11 +70,7 @@ struct Merge<'s> {
 struct Events {
     panels: PanelLanes,
     start_over_aim: Lanes<f32>,
-    value: RgbLanes,
-    mis_weight: Lanes<f32>,
-    shadows: RayLanes,
-    is_aimed: Lanes<u32>,
-    is_apart: Lanes<u32>,
+    light: Unseen,
 }
 
 impl<'s> CameraRoom<'s> {
@@ -61,7 +78,7 @@ impl<'s> CameraRoom<'s> {
     pub(in crate::integrator) fn new(scene: &'s Scene) -> Self {
         Self {
             lights: (0..LANES).map(|_| LightSubpath::new(scene)).collect(),
-            unseen: Unseen::default(),
+            waiting: Waiting::default(),
             vertices: VertexLanes::new(scene),
             events: Events::default(),
             directions: Directions::default(),
@@ -92,6 +109,84 @@ impl CameraRoom<'_> {
     }
 }
 
+impl CameraEnd<'_> {
+    /// The camera starts a subpath.
+    fn start(&self, sample: PixelSample, tracer: &mut Tracer<'_>, sampler: &Sampler<'_>) -> Walk {
+        let u = sampler.start().lens;
+        Walk::from_camera(self.camera, sample.raster, u, tracer, &self.weighing)
+    }
+
+    /// One step of a subpath, from what it meets on to the next ray; false where it ends. A vertex that is to be merged is
+    /// handed to `merge`.
+    #[allow(clippy::too_many_arguments, reason = "a path with all its ends")]
+    fn step<'s>(
+        &self,
+        walk: &mut Walk,
+        found: Option<&Hit>,
+        lights: &mut LightSubpath<'s>,
+        waiting: &mut Waiting,
+        tracer: &mut Tracer<'s>,
+        sampler: &Sampler<'_>,
+        sink: &mut Sink<'_>,
+        merge: impl FnOnce(Vertex<'s>),
+    ) -> bool {
+        let weighing = &self.weighing;
+        // s = 0: L_e, where the subpath runs into it.
+        let Some(vertex) = walk.arrive(found, tracer, weighing) else {
+            if self.has_connections {
+                if let Some(found) = hit_environment(tracer, walk, weighing) {
+                    sink.add(found);
+                }
+            } else if walk.is_specular {
+                let lights = self.scene.lights();
+                let radiance = lights.environment_radiance(walk.ray.direction());
+                let bounce = u32::from(walk.n_vertices) - 1;
+                sink.add(hit(bounce, walk.carried.throughput * radiance, 1.0));
+            }
+            return false;
+        };
+        let bounce = walk.bounce();
+        if bounce == 0 {
+            add_unlit(tracer, &vertex.surface, sink);
+        }
+        if self.has_connections {
+            if let Some(found) = hit_emitter(tracer, walk, &vertex, weighing) {
+                sink.add(found);
+            }
+        } else if walk.is_specular {
+            // Merging alone cannot find light by way of mirrors only.
+            let emitted = tracer.emitted(&vertex.surface);
+            sink.add(hit(bounce, vertex.throughput * emitted, 1.0));
+        }
+        if bounce == self.max_bounces {
+            return false;
+        }
+        let u = sampler.bounce(bounce);
+        if vertex.surface.bsdf.has_density() {
+            if self.has_connections {
+                // s = 1: a light aimed at.
+                if let Some(found) = next_event(tracer, &vertex, &light_sample(&u), weighing) {
+                    sink.add(found);
+                }
+                // s ≥ 2: every vertex of the light subpath that leaves the path short enough.
+                lights.connect(
+                    tracer,
+                    &vertex,
+                    self.max_bounces,
+                    weighing,
+                    waiting,
+                    sink.pixel(),
+                    |place, found| sink.add_at(place, found),
+                );
+            }
+            if self.merging.is_some() {
+                merge(vertex);
+            }
+        }
+        walk.scatter(&vertex, &u, self.has_roulette, weighing)
+    }
+}
+
 impl<'s> CameraEnd<'s> {
     /// Traces the subpaths of all pixels, each joined with the light subpath that `light_path` names.
     pub(in crate::integrator) fn trace<'p>(
@@ -102,12 +197,12 @@ impl<'s> CameraEnd<'s> {
         tracer: &mut Tracer<'s>,
         sink: &mut Sink<'_>,
     ) {
-        let mut walks = WalkLanes::new(TransportMode::Radiance);
+        let mut walks = WalkLanes::new(TransportMode::Radiance, sink);
         let mut places = [PixelPlace::default(); LANES];
         loop {
             // A lane without a subpath takes the next one.
-            for lane in lanes_of(!walks.common.rays.mask()) {
-                let Some(mut pixel) = pixels.next() else {
+            for lane in lanes_of(walks.common.free()) {
+                let Some(pixel) = pixels.next() else {
                     break;
                 };
                 places[lane] = pixel.place;
@@ -118,36 +213,36 @@ impl<'s> CameraEnd<'s> {
                         lights.push(&vertex.restored(tracer));
                     }
                 }
-                let walk = self.start(pixel.sample, tracer, &mut pixel.sampler);
+                let walk = self.start(pixel.sample, tracer, &pixel.sampler);
                 walks.set(lane, &walk);
                 walks.common.samplers[lane] = pixel.sampler;
             }
-            if walks.common.rays.mask() == 0 {
+            if walks.common.taken() == 0 {
                 break;
             }
             // What do they meet? Some go on from there together, the others each by itself.
             let hits = tracer.hits(&walks.common.rays);
-            let mut abreast = 0;
-            for lane in lanes_of(walks.common.rays.mask()) {
+            let mut together = 0;
+            for lane in lanes_of(walks.common.taken()) {
                 let vertices = &mut room.vertices;
                 if walks.join(self.scene, self.max_bounces, lane, &hits, vertices) {
-                    abreast |= 1 << lane;
+                    together |= 1 << lane;
                 }
             }
-            if abreast != 0 {
-                walks.arrive(abreast, self.scene, &mut room.vertices, &self.weighing);
-                abreast = self.draw(abreast, &walks, room);
+            if together != 0 {
+                walks.arrive(together, self.scene, &mut room.vertices, &self.weighing);
+                together = self.draw(together, &walks, room);
             }
-            for lane in lanes_of(walks.common.rays.mask() & !abreast) {
+            for lane in lanes_of(walks.common.taken() & !together) {
                 sink.start_pixel(places[lane]);
                 let mut walk = walks.get(lane);
                 let goes_on = self.step(
                     &mut walk,
                     hits[lane].as_ref(),
                     &mut room.lights[lane],
-                    &mut room.unseen,
+                    &mut room.waiting,
                     tracer,
-                    &mut walks.common.samplers[lane],
+                    &walks.common.samplers[lane],
                     sink,
                     |vertex| self.begin_merge(lane, &vertex, Some(vertex), &mut room.merges),
                 );
@@ -157,20 +252,20 @@ impl<'s> CameraEnd<'s> {
                     walks.common.end(lane);
                 }
             }
-            if abreast != 0 {
-                self.begin_merges(abreast, &walks, room);
-                self.aim(abreast, &walks, &places, room, tracer, sink);
+            if together != 0 {
+                self.begin_merges(together, &walks, room);
+                self.aim(together, &walks, &places, room, tracer, sink);
                 room.approach(self);
-                self.connect(abreast, &walks, &places, room, tracer, sink);
+                self.connect(together, &walks, &places, room, tracer, sink);
             }
             // None waits for another step, so that what is added to a pixel's layer is in the order of its path.
-            room.unseen
+            room.waiting
                 .see(tracer, |place, found| sink.add_at(place, found));
             room.finish(self);
-            if abreast != 0 {
+            if together != 0 {
                 let (vertices, directions) = (&room.vertices, &mut room.directions);
                 walks.scatter(
-                    abreast,
+                    together,
                     vertices,
                     directions,
                     self.has_roulette,
@@ -182,38 +277,38 @@ impl<'s> CameraEnd<'s> {
     }
 
     /// Draws what the lanes need, and chooses lights to aim at; returns those lanes whose lights are plain triangles.
-    fn draw(&self, mut abreast: u32, walks: &WalkLanes<'_>, room: &mut CameraRoom<'s>) -> u32 {
+    fn draw(&self, mut together: u32, walks: &WalkLanes<'_>, room: &mut CameraRoom<'s>) -> u32 {
         let lights = self.scene.lights();
         let events = &mut room.events;
-        for lane in lanes_of(abreast) {
-            let bounce = walks.common.bounce(lane);
-            // In the order in which a step by itself draws them.
-            let [light, point, direction, lobe] = walks.common.samplers[lane].bounce_pairs(bounce);
-            room.directions.set(lane, [direction, lobe]);
+        for lane in lanes_of(together) {
+            let u = walks.common.samplers[lane].bounce(walks.common.bounces.get(lane));
+            room.directions.numbers.set(lane, &u);
             if !self.has_connections {
                 continue;
             }
             let receiver = room.vertices.surfaces.receiver(lane);
-            let Some(chosen) = lights.choose(&receiver, LightChoice::Tree, light) else {
+            let Some(chosen) = lights.choose(&receiver, LightChoice::Tree, u.light) else {
                 events.panels.clear(lane);
                 continue;
             };
             match lights.as_uniform(chosen.light) {
                 Some(panel) => {
-                    events.panels.set(lane, &panel, chosen.pmf, point);
+                    events
+                        .panels
+                        .set(lane, &panel, chosen.pmf, u.point_on_light);
                     let start_over_aim = lights.pmf_start(chosen.light) / chosen.pmf;
                     events.start_over_aim.set(lane, start_over_aim);
                 }
-                None => abreast &= !(1 << lane),
+                None => together &= !(1 << lane),
             }
         }
-        abreast
+        together
     }
 
     /// s = 1: lights aimed at.
     fn aim(
         &self,
-        abreast: u32,
+        together: u32,
         walks: &WalkLanes<'_>,
         places: &[PixelPlace; LANES],
         room: &mut CameraRoom<'s>,
@@ -225,28 +320,17 @@ impl<'s> CameraEnd<'s> {
         }
         let events = &mut room.events;
         aim(&room.vertices, events, &self.weighing);
-        let Events {
-            shadows,
-            is_aimed,
-            is_apart,
-            ..
-        } = &mut *events;
-        shadows.set_mask_where(abreast, is_aimed, is_apart);
-        let shares = tracer.transmittances(shadows);
-        for lane in lanes_of(abreast) {
-            if events.is_aimed.get(lane) != 0 && shares[lane] > 0.0 {
-                let value = events.value.get(lane) * shares[lane];
-                let strategy = Strategy::connect(1, walks.n_vertices(lane));
-                let found = contribution(value, events.mis_weight.get(lane), strategy);
-                sink.add_at(places[lane], found);
-            }
+        for seen in events.light.see(together, tracer) {
+            let strategy = Strategy::connect(1, walks.n_vertices(seen.lane));
+            let found = contribution(seen.value, seen.mis_weight, strategy);
+            sink.add_at(places[seen.lane], found);
         }
     }
 
     /// s ≥ 2: every vertex of the light subpaths that leaves the path short enough.
     fn connect(
         &self,
-        abreast: u32,
+        together: u32,
         walks: &WalkLanes<'_>,
         places: &[PixelPlace; LANES],
         room: &mut CameraRoom<'s>,
@@ -256,15 +340,15 @@ impl<'s> CameraEnd<'s> {
         if !self.has_connections {
             return;
         }
-        let (weighing, unseen) = (&self.weighing, &mut room.unseen);
-        for lane in lanes_of(abreast) {
+        let (weighing, waiting) = (&self.weighing, &mut room.waiting);
+        for lane in lanes_of(together) {
             let vertex = room.vertices.get(lane, walks.n_vertices(lane));
             room.lights[lane].connect(
                 tracer,
                 &vertex,
                 self.max_bounces,
                 weighing,
-                unseen,
+                waiting,
                 places[lane],
                 |place, found| sink.add_at(place, found),
             );
@@ -272,11 +356,11 @@ impl<'s> CameraEnd<'s> {
     }
 
     /// Begins to look for what the vertices of the lanes are to be merged with.
-    fn begin_merges(&self, abreast: u32, walks: &WalkLanes<'_>, room: &mut CameraRoom<'s>) {
+    fn begin_merges(&self, together: u32, walks: &WalkLanes<'_>, room: &mut CameraRoom<'s>) {
         if self.merging.is_none() {
             return;
         }
-        for lane in lanes_of(abreast) {
+        for lane in lanes_of(together) {
             let vertex = room.vertices.get(lane, walks.n_vertices(lane));
             self.begin_merge(lane, &vertex, None, &mut room.merges);
         }
@@ -344,14 +428,10 @@ fn aim_lanes(vertices: &VertexLanes<'_>, events: &mut Events, weighing: &Weighin
         let aimed = aim
             .as_ref()
             .and_then(|aim| next_event_unshadowed(&vertex, aim, weighing));
-        let is_aimed = aimed.is_some();
+        let ray = point.segment_to(&light.unwrap_or(SurfacePoint::NOWHERE));
         let (value, mis_weight) = aimed.unwrap_or((Rgb::BLACK, 0.0));
-        let light = light.unwrap_or(SurfacePoint::NOWHERE);
-        events.value.set(lane, value);
-        events.mis_weight.set(lane, mis_weight);
-        let segment = point.segment_to(&light);
-        events.shadows.set_segment(lane, &segment);
-        events.is_aimed.set(lane, u32::from(is_aimed));
-        events.is_apart.set(lane, u32::from(is_segment(&segment)));
+        events
+            .light
+            .set(lane, aimed.is_some(), value, mis_weight, &ray);
     }
 }

@@ -189,7 +189,7 @@ def main():
     program, folder, rounds = sys.argv[1], sys.argv[2], int(sys.argv[3])
     cornell = os.path.join(folder, "cornell.glb")
     scene = load(cornell)
-    print("| | neumann | LuxCore | neumann's advantage | LuxCore's mean |\n|---|---|---|---|---|")
+    print("\n| | neumann | LuxCore | neumann's advantage | LuxCore's mean |\n|---|---|---|---|---|")
     for method, engine, our_spp, their_spp in PAIRS:
         ours, theirs = Neumann(program, cornell, method), LuxCore(scene, engine)
         our_results, their_results = [], []

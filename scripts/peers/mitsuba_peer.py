@@ -9,6 +9,9 @@ principled BSDF stands in. A scene without a camera is seen as neumann sees it, 
 
 Both programs trace paths of at most ten segments; speeds are compared without Russian roulette, times to an error with
 each program's own default for it. METHOD is one of neumann's, pt-mis if none is named; Mitsuba's is always path.
+
+Times to an error are given for two of Mitsuba's samplers: `independent`, which it takes by default, and `multijitter`, which
+stratifies all samples of a render together. The latter is asked for counts that it does not round up, all in one render.
 """
 
 import json
@@ -25,6 +28,8 @@ import numpy as np
 from gltf import accessor, read_gltf, resource, transform
 
 mi.set_variant("llvm_ad_rgb")
+# It warns of counts that are rounded, which `exact` asks for, and of renders in several passes.
+mi.set_log_level(mi.LogLevel.Error)
 import drjit as dr  # noqa: E402  (needs the variant)
 
 # Edge of the picture, pixels: where speed is compared, and where error is.
@@ -35,6 +40,9 @@ TARGET = 1e-3
 # Samples of the image that errors are relative to, and the most that are taken on the way to the target.
 REFERENCE = 1024
 MOST_SAMPLES = 512
+SAMPLERS = ("independent", "multijitter")
+# Samples per pixel in one wavefront at most, as wavefronts take memory.
+MOST_AT_ONCE = 64
 # Seconds of rest before a measurement: the threads of the one before spin for a while after their last task.
 REST = 0.3
 
@@ -107,8 +115,8 @@ def look_at(program, path):
     return camera["eye"], target, camera["fov_degrees"]
 
 
-def load(path, size, view=None):
-    """The scene for Mitsuba, with its first camera or with `view`."""
+def load(path, size, view=None, sampler="independent"):
+    """The scene for Mitsuba, with its first camera or with `view`, and one of its samplers."""
     doc, buffers = read_gltf(path)
     scene = {"type": "scene"}
     materials = doc.get("materials", [])
@@ -126,7 +134,7 @@ def load(path, size, view=None):
                 "rfilter": {"type": "box"},
                 "pixel_format": "rgb",
             },
-            "sampler": {"type": "independent"},
+            "sampler": {"type": sampler},
         }
 
     is_lit = False
@@ -197,22 +205,36 @@ def load(path, size, view=None):
 
 
 class Mitsuba:
-    def __init__(self, scene, kind="path", rr_depth=5):
+    def __init__(self, scene, kind="path", rr_depth=5, sampler="independent"):
         self.scene = scene
-        self.integrator = mi.load_dict({"type": kind, "max_depth": SEGMENTS, "rr_depth": rr_depth})
-        self.render(4, 0)
+        self.options = {"type": kind, "max_depth": SEGMENTS, "rr_depth": rr_depth}
+        self.is_stratified = sampler != "independent"
+        self.render(self.exact(4), 0)
+
+    def exact(self, spp):
+        """The least number of samples per pixel, from `spp` on, that the sampler does not round up."""
+        sampler = self.scene.sensors()[0].sampler()
+        while True:
+            sampler.set_sample_count(spp)
+            if sampler.sample_count() == spp:
+                return spp
+            spp = sampler.sample_count()
 
     def render(self, spp, seed):
-        """The image, and the seconds it took; 64 samples at a time at most, as its wavefronts take memory."""
+        """The image, and the seconds it took. Samples that are stratified together are of one render, in several passes."""
+        part = spp if self.is_stratified else MOST_AT_ONCE
         image, done, seconds = 0, 0, 0
         while done < spp:
-            n = min(64, spp - done)
+            n = min(part, spp - done)
+            at_once = next(k for k in range(min(n, MOST_AT_ONCE), 0, -1) if n % k == 0)
+            passes = {"samples_per_pass": at_once} if at_once < n else {}
+            integrator = mi.load_dict({**self.options, **passes})
             start = time.time()
-            part = mi.render(self.scene, integrator=self.integrator, spp=n, seed=seed * 1000 + done)
-            dr.eval(part)
+            rendered = mi.render(self.scene, integrator=integrator, spp=n, seed=seed * 1000 + done)
+            dr.eval(rendered)
             dr.sync_thread()
             seconds += time.time() - start
-            image = image + np.array(part)[..., :3] * n
+            image = image + np.array(rendered)[..., :3] * n
             done += n
         return image / spp, seconds
 
@@ -222,6 +244,9 @@ class Neumann:
         self.command = [program, "render", scene, "--integrator", method, "--size", f"{size}x{size}"]
         self.command += ["--max-bounces", str(SEGMENTS - 1), "--threads", str(os.cpu_count()), "--json", *options]
         self.render(1, 0)
+
+    def exact(self, spp):
+        return spp
 
     def render(self, spp, seed):
         with tempfile.TemporaryDirectory() as folder:
@@ -243,7 +268,7 @@ def per_sample(programs, spp, rounds):
     times = {name: [] for name in programs}
     for i in range(rounds):
         for name, program in programs.items():
-            n = spp.get(name, 16)
+            n = program.exact(spp.get(name, 16))
             time.sleep(REST)
             times[name].append(program.render(n, i + 1)[1] * 1000 / n)
     return {name: statistics.median(t) for name, t in times.items()}
@@ -258,14 +283,14 @@ def relative_error(program, n, seed, mean):
 def samples_to_target(program, mean):
     """Samples per pixel until the error is the target, between two renders that enclose it, or, where that takes too
     long, from the last one, the error going down in proportion to the number of samples."""
-    before, n = None, 8
+    before, n = None, program.exact(8)
     while True:
         error = relative_error(program, n, n, mean)
         if error <= TARGET:
             break
-        if n == MOST_SAMPLES:
+        if n >= MOST_SAMPLES:
             return n * error / TARGET
-        before, n = (n, error), n * 2
+        before, n = (n, error), program.exact(n * 2)
     if before is None:
         return n * error / TARGET
     slope = math.log(error / before[1]) / math.log(n / before[0])
@@ -279,7 +304,7 @@ def row(what, ours, theirs, ratio, unit):
 def main():
     program, folder, rounds = sys.argv[1], sys.argv[2], int(sys.argv[3])
     scenes = sys.argv[4:]
-    print("| | neumann | Mitsuba | neumann's advantage |\n|---|---|---|---|")
+    print("\n| | neumann | Mitsuba | neumann's advantage |\n|---|---|---|---|")
     if not scenes:
         compare_speeds(program, os.path.join(folder, "cornell.glb"), rounds)
     # The same method as Mitsuba's, and where that is not the one for the scene, the one that is.
@@ -324,15 +349,18 @@ def compare_times_to_error(program, path, rounds, method):
         view = look_at(program, path)
         eye, target = (",".join(map(str, point)) for point in view[:2])
         options += [f"--eye={eye}", f"--target={target}", f"--fov={view[2]}"]
-    ours = Neumann(program, path, SIZE_FOR_ERROR, method, options)
-    theirs = Mitsuba(load(path, SIZE_FOR_ERROR, view))
-    mean = ours.render(REFERENCE, 4711)[0]
-    check = theirs.render(REFERENCE // 4, 1)[0].mean() / mean.mean()
+    programs = {"ours": Neumann(program, path, SIZE_FOR_ERROR, method, options)}
+    for sampler in SAMPLERS:
+        programs[sampler] = Mitsuba(load(path, SIZE_FOR_ERROR, view, sampler), sampler=sampler)
+    mean = programs["ours"].render(REFERENCE, 4711)[0]
+    check = programs["independent"].render(REFERENCE // 4, 1)[0].mean() / mean.mean()
     if abs(check - 1) > 0.02:
         print(f"{name}: the programs do not render the same scene; means differ by {check:.3f}", file=sys.stderr)
-    ms = per_sample({"ours": ours, "theirs": theirs}, {"ours": 16, "theirs": 32}, rounds)
-    seconds = [samples_to_target(p, mean) * ms[k] / 1000 for k, p in (("ours", ours), ("theirs", theirs))]
-    row(f"time to relMSE {TARGET:g}, {name}, `{method}`", *seconds, seconds[1] / seconds[0], "s")
+    ms = per_sample(programs, dict.fromkeys(SAMPLERS, 32), rounds)
+    seconds = {key: samples_to_target(program, mean) * ms[key] / 1000 for key, program in programs.items()}
+    for sampler in SAMPLERS:
+        what = f"time to relMSE {TARGET:g}, {name}, `{method}` against `path` with `{sampler}`"
+        row(what, seconds["ours"], seconds[sampler], seconds[sampler] / seconds["ours"], "s")
 
 
 if __name__ == "__main__":

@@ -27,6 +27,32 @@
 //! | [`integrator`] | the methods in lecture order, and their registry |
 //! | [`render`] | threads, streams, merge order; the loop behind a window |
 //!
+//! # Use
+//! The mean of 16 iterations of a built-in scene, and one term of the series at one pixel:
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use neumann_core::film::{Film, View};
+//! use neumann_core::render::{CancelToken, RenderSettings, Renderer, WorkerPool};
+//! use neumann_core::scene::load::LoadOptions;
+//! use neumann_core::scene::{Scene, open};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let description = open("cornell", &LoadOptions::default())?; // or the path of a .glb
+//! let scene = Arc::new(Scene::build(&description));
+//! let settings = RenderSettings::new(scene.cameras()[0].clone(), 64, 64);
+//! let mut film = Film::new(settings.width, settings.height, settings.n_layers);
+//! let mut renderer = Renderer::new(scene, settings, WorkerPool::new(None, || ())?, 0);
+//! for _ in 0..16 {
+//!     renderer.iterate_after(&film, &CancelToken::default())?.add_to(&mut film);
+//! }
+//! let once = film.radiance(View::Term(1), 0); // T L_e at the pixel on the top left
+//! # assert!(film.n_iterations() == 16 && once.r >= 0.0);
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # Symbols
 //! | here | in formulas | meaning, unit |
 //! |---|---|---|

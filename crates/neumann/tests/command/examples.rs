@@ -129,6 +129,9 @@ fn try_all(origin: &str, commands: &[String]) {
             "neumann" => try_one(&folder, origin, line),
             "cargo" => match line.iter().position(|word| word == "-p") {
                 Some(at) => check_package(origin, &line[at + 1]),
+                None if line
+                    .iter()
+                    .any(|word| word == "--workspace" || word == "--all") => {}
                 None if line[0] == "run" => {
                     let own = line.iter().skip_while(|word| *word != "--").skip(1);
                     try_one(&folder, origin, own.cloned().collect());
@@ -261,16 +264,28 @@ fn every_command_of_the_help_works() {
     assert!(n_commands > 20, "{n_commands}");
 }
 
-#[test]
-fn every_command_of_readme_and_docs_works() {
-    let mut documents = vec![root().join("README.md"), root().join("ARCHITECTURE.md")];
-    if let Ok(folder) = fs::read_dir(root().join("docs")) {
-        let paths = folder.map(|entry| entry.unwrap().path());
+/// What is written for people: the pages of the root, and all of docs.
+fn documents() -> Vec<PathBuf> {
+    let pages = [
+        "README.md",
+        "ARCHITECTURE.md",
+        "CONTRIBUTING.md",
+        "CHANGELOG.md",
+    ];
+    let mut documents: Vec<_> = pages.map(|page| root().join(page)).into();
+    for folder in ["docs", "docs/decisions"] {
+        let entries = fs::read_dir(root().join(folder)).unwrap();
+        let paths = entries.map(|entry| entry.unwrap().path());
         documents.extend(paths.filter(|path| path.extension().is_some_and(|e| e == "md")));
     }
     documents.sort();
+    documents
+}
+
+#[test]
+fn every_command_of_readme_and_docs_works() {
     let mut n_commands = 0;
-    for path in documents {
+    for path in documents() {
         let commands = commands_of_document(&fs::read_to_string(&path).unwrap());
         n_commands += commands.len();
         try_all(&path.file_name().unwrap().to_string_lossy(), &commands);

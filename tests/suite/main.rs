@@ -16,6 +16,7 @@ mod media;
 mod merging;
 mod own_light;
 mod reference;
+mod replay;
 mod sampling;
 mod scenes;
 mod series;

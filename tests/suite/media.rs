@@ -540,7 +540,7 @@ fn subpath<'a>(
     while let Some(vertex) = walk.meet(tracer, weighing) {
         vertices.push(vertex);
         let u = sampler.bounce(walk.bounce());
-        if vertices.len() == 8 || !walk.scatter(&vertex, &u, false, weighing) {
+        if vertices.len() == 8 || !walk.scatter(&vertex, tracer, &u, false, weighing) {
             break;
         }
     }

@@ -10,7 +10,7 @@
 
 use crate::film::TILE_PIXELS;
 use crate::integrator::bidirectional::{
-    CameraEnd, CameraRoom, Heuristic, LightEnd, ToLens, Weighing,
+    CameraEnd, CameraRoom, Heuristic, LightEnd, LightPath, ToLens, Weighing,
 };
 use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
 use crate::render::{Cancelled, Collected, Pass, PixelPath};
@@ -94,16 +94,25 @@ impl Integrator for Bidirectional {
         pass.trace_pixels_together_with(scene, room, |room, pixels, tracer, sink| {
             let (room, kept, paths) = room;
             // The light paths of a tile, each vertex of them aimed at the lens.
-            let starts = pixels
-                .indices()
-                .map(|(number, index)| (number, numbers.path((index + shift) % n_paths)));
+            let light_path = |(number, index): (usize, usize)| {
+                let path = (index + shift) % n_paths;
+                LightPath {
+                    path: path as u32,
+                    number: number as u32,
+                    sampler: numbers.path(path),
+                }
+            };
+            let starts = pixels.indices().map(light_path);
             kept.clear();
             light.trace(starts, tracer, sink, |number, vertex| {
                 kept.push((number, vertex))
             });
             paths.sort(kept, TILE_PIXELS);
             // Its camera paths, each joined with one of them.
-            let light_path = |pixel: &PixelPath<'_>| paths.of_path(pixel.place.in_tile());
+            let light_path = |pixel: &PixelPath<'_>| {
+                let path = (pixel.sample.index + shift) % n_paths;
+                (path as u32, paths.of_path(pixel.place.in_tile()))
+            };
             camera.trace(pixels, light_path, room, tracer, sink);
         })
     }

@@ -127,7 +127,7 @@ impl Integrator for Distributed {
                 let branch = Branch {
                     ray,
                     throughput: Rgb::splat(1.0 / this.n_lens as f32),
-                    media: tracer.media_at_camera(&ray),
+                    media: tracer.begin_at_camera(&ray),
                     bounce: 0,
                     is_specular: true,
                 };
@@ -197,11 +197,13 @@ impl Distributed {
         let Some(glossy) = vertex.bsdf.glossy_part() else {
             return;
         };
+        tracer.splits(n_glossy);
         for i in 0..n_glossy {
             let u = events.sampler.bounce(event + i).bsdf();
             let Some(sample) = vertex.sample_of(&glossy, u, TransportMode::Radiance) else {
                 continue;
             };
+            tracer.leaves(&vertex, &sample, TransportMode::Radiance, 1.0);
             let next = Branch {
                 ray: vertex.ray(sample.wi),
                 throughput: throughput * sample.throughput() / n_glossy as f32,

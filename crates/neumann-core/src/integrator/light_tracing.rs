@@ -5,7 +5,7 @@
 //! importance for radiance, and pixels are found instead of chosen. It is the light end of
 //! bidirectional path tracing by itself: one technique, of weight 1.
 
-use super::bidirectional::{LightEnd, ToLens, Weighing};
+use super::bidirectional::{LightEnd, ToLens, Weighing, numbered};
 use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
 use crate::render::{Cancelled, Pass};
 use crate::scene::Scene;
@@ -60,7 +60,7 @@ impl Integrator for LightTracing {
         };
         let numbers = pass.light_numbers(n_paths);
         pass.trace_light_paths_together(scene, n_paths, numbers, |paths, tracer, sink| {
-            light.trace(paths.enumerate(), tracer, sink, |_, _| ());
+            light.trace(numbered(paths), tracer, sink, |_, _| ());
         })
     }
 }

@@ -18,7 +18,7 @@ use crate::integrator::{
 use crate::math::Ray;
 use crate::photons::{HashGrid, Kernel, Near, Photon};
 use crate::radiometry::Rgb;
-use crate::render::{Cancelled, Pass, Sink};
+use crate::render::{Cancelled, Collected, Pass, Sink};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::scene::bodies::Media;
@@ -190,6 +190,8 @@ enum Show {
 
 struct PhotonMap {
     grid: HashGrid<Photon>,
+    /// The paths that have left the photons, which are in the grid alone.
+    paths: Collected<Photon>,
     radius: f32,
     n_paths: usize,
 }
@@ -258,8 +260,12 @@ impl PhotonMapping {
             pass.light_numbers(n_paths)
         };
         let weighing = Weighing::one_technique();
-        let paths =
-            pass.trace_light_paths(scene, n_paths, numbers, |_, tracer, sampler, _, photons| {
+        let mut paths = pass.trace_light_paths(
+            scene,
+            n_paths,
+            numbers,
+            |index, tracer, sampler, _, photons| {
+                tracer.next_light_path(index as u32);
                 let Some(start) = scene.lights().start(&start_sample(&sampler.start())) else {
                     return;
                 };
@@ -272,16 +278,20 @@ impl PhotonMapping {
                         photons.push(vertex.photon());
                     }
                     let u = sampler.bounce(walk.bounce());
-                    if !walk.scatter(&vertex, &u, true, &weighing) {
+                    if !walk.scatter(&vertex, tracer, &u, true, &weighing) {
                         return;
                     }
                 }
-            })?;
+            },
+        )?;
         let iteration = if self.is_kept { 0 } else { pass.iteration() };
         let radius = self.radius.at(scene, pass.camera(), iteration);
+        let grid = HashGrid::new(&paths.items, radius, |photon| *photon);
+        // The grid has copies.
+        paths.items = Vec::new();
         Ok(PhotonMap {
-            grid: HashGrid::new(&paths.items, radius, |photon| *photon),
-
+            grid,
+            paths,
             radius,
             n_paths,
         })
@@ -306,7 +316,7 @@ impl PhotonMapping {
             let segment = Segment {
                 ray,
                 throughput: Rgb::WHITE,
-                media: tracer.media_at_camera(&ray),
+                media: tracer.begin_at_camera(&ray),
                 drawn: Drawn::NOWHERE,
                 leaves_emitters: false,
                 bounce: 0,
@@ -403,6 +413,7 @@ impl Eye<'_> {
             if is_rough && !sample.is_delta {
                 return;
             }
+            tracer.leaves(&vertex, &sample, MODE, 1.0);
             path = path.beyond(&vertex, &sample);
         }
     }
@@ -418,6 +429,7 @@ impl Eye<'_> {
         near: &mut Vec<Near>,
     ) {
         let n = self.mapping.n_gather;
+        tracer.splits(n);
         for i in 0..n {
             let numbers = sampler.branch(path.bounce, i);
             let u = numbers.bounce(path.bounce).bsdf();
@@ -427,6 +439,7 @@ impl Eye<'_> {
             if sample.is_delta {
                 continue;
             }
+            tracer.leaves(vertex, &sample, MODE, 1.0);
             let mut ray = path.beyond(vertex, &sample);
             ray.throughput *= 1.0 / n as f32;
             // Emitters met by these rays have been aimed at already.
@@ -447,12 +460,16 @@ impl Eye<'_> {
         let n_nearest = self.mapping.n_nearest;
         let kernel = self.mapping.kernel;
         let x = vertex.point.position;
-        let mut add = |photon: &Photon, distance_squared: f32, radius_squared: f32| {
+        let mut add = |number: u32, distance_squared: f32, radius_squared: f32| {
+            let photon = &map.grid.entries()[number as usize];
             let strategy = Strategy::merge(photon.n_vertices, path.bounce as u16 + 2);
             if strategy.bounce() > self.max_bounces {
                 return;
             }
             if let Some(scattered) = photon.scattered(vertex) {
+                if sink.is_observed() {
+                    sink.merges(map.paths.path_of(map.grid.item_of(number)));
+                }
                 let weight = kernel.at(distance_squared, radius_squared) / map.n_paths as f32;
                 sink.add(Contribution {
                     value: path.throughput * scattered.f_power * weight,
@@ -475,8 +492,7 @@ impl Eye<'_> {
             near.sort_unstable_by_key(|near| near.number);
         }
         for found in near.iter() {
-            let photon = &map.grid.entries()[found.number as usize];
-            add(photon, found.distance_squared, r2);
+            add(found.number, found.distance_squared, r2);
         }
     }
 }

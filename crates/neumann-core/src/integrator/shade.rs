@@ -54,6 +54,7 @@ impl Integrator for Shade {
         let n = self.n_light_samples;
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
             let ray = camera.ray(raster, sampler.start().lens).ray;
+            tracer.begin_at_camera(&ray);
             let Some(vertex) = tracer.vertex(&ray) else {
                 let radiance = scene.lights().environment_radiance(ray.direction());
                 sink.add(hit(0, radiance, 1.0));

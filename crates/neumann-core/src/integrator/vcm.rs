@@ -24,7 +24,7 @@ use crate::transport::reflection::start_sample;
 use super::bdpt::{HEURISTIC, heuristic};
 use super::bidirectional::{
     CameraEnd, CameraRoom, Heuristic, LightEnd, LightVertex, Mergeable, Merging, ToLens, Walk,
-    Weighing,
+    Weighing, numbered,
 };
 use super::light_tracing::ROULETTE;
 
@@ -128,7 +128,7 @@ impl Integrator for Vcm {
             numbers,
             |paths, tracer, sink, kept| {
                 let keep = |number, vertex| kept.push((number, vertex));
-                light.trace(paths.enumerate(), tracer, sink, keep);
+                light.trace(numbered(paths), tracer, sink, keep);
             },
         )?;
         let paths = &self.paths;
@@ -150,14 +150,16 @@ impl Integrator for Vcm {
             max_bounces,
             has_roulette,
             has_connections,
-            merging: grid.map(|grid| Merging::new(grid, radius, n_paths)),
+            merging: grid.map(|grid| Merging::new(grid, paths, radius)),
             weighing,
         };
         let shift = pass.light_path_shift(n_paths);
         let room = || CameraRoom::new(scene);
         pass.trace_pixels_together_with(scene, room, |room, pixels, tracer, sink| {
-            let light_path =
-                |pixel: &PixelPath<'_>| paths.of_path((pixel.sample.index + shift) % n_paths);
+            let light_path = |pixel: &PixelPath<'_>| {
+                let path = (pixel.sample.index + shift) % n_paths;
+                (path as u32, paths.of_path(path))
+            };
             camera.trace(pixels, light_path, room, tracer, sink);
         })
     }
@@ -201,7 +203,7 @@ impl Vcm {
                     }
                     let u = sampler.bounce(walk.bounce());
                     if walk.bounce() == max_bounces
-                        || !walk.scatter(&vertex, &u, has_roulette, &weighing)
+                        || !walk.scatter(&vertex, tracer, &u, has_roulette, &weighing)
                     {
                         return;
                     }

@@ -177,6 +177,12 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
         &self.entries
     }
 
+    /// The number that an entry had among the items that the grid was filled with.
+    #[must_use]
+    pub fn item_of(&self, entry: u32) -> u32 {
+        self.order[entry as usize]
+    }
+
     /// Finds the entries within the radius of `x`, and forgets what was found before.
     #[inline]
     pub fn find(&self, x: Vec3, near: &mut Vec<Near>) {

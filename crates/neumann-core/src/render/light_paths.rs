@@ -31,6 +31,14 @@ pub struct LightPaths {
     pub(super) range: Range<usize>,
 }
 
+impl LightPaths {
+    /// The number of the next path in its iteration.
+    #[must_use]
+    pub fn next_number(&self) -> usize {
+        self.range.start
+    }
+}
+
 impl Iterator for LightPaths {
     type Item = Sampler<'static>;
 
@@ -65,6 +73,12 @@ impl<T> Collected<T> {
     pub fn of_path(&self, path: usize) -> &[T] {
         let start = if path == 0 { 0 } else { self.ends[path - 1] };
         &self.items[start as usize..self.ends[path] as usize]
+    }
+
+    /// The path that has left an item.
+    #[must_use]
+    pub fn path_of(&self, item: u32) -> u32 {
+        self.ends.partition_point(|end| *end <= item) as u32
     }
 
     /// Number of paths.

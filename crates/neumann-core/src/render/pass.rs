@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::coverage::Coverage;
 use super::light_paths::{Collected, LightNumbers, LightPaths};
 use super::pixels::{PixelSample, Pixels};
+use super::replay::{Plan, Seen};
 use super::sink::{Sink, SinkShape, Yield, add_splats};
 use super::{CancelToken, Cancelled, RenderSettings, SampleCounts};
 use crate::endpoint::Camera;
@@ -47,6 +48,10 @@ pub struct Pass<'a> {
     samples: SampleCounts,
     n_splits: u8,
     is_alone: bool,
+    /// What is looked at, where an iteration is replayed,
+    plan: Option<Plan>,
+    /// and what was seen so far.
+    seen: Seen,
 }
 
 impl<'a> Pass<'a> {
@@ -72,12 +77,25 @@ impl<'a> Pass<'a> {
             samples: SampleCounts::Even(1),
             n_splits: 1,
             is_alone: false,
+            plan: None,
+            seen: Seen::default(),
         }
     }
 
     /// Lets paths walk one by one, not side by side.
     pub(super) fn trace_alone(&mut self, is_alone: bool) {
         self.is_alone = is_alone;
+    }
+
+    /// Looks at how light comes to some pixels, by paths that walk alone.
+    pub(super) fn observe(&mut self, plan: &Plan) {
+        self.is_alone = true;
+        self.plan = Some(plan.clone());
+    }
+
+    /// What was seen.
+    pub(super) fn into_seen(self) -> Seen {
+        self.seen
     }
 
     /// True if no tile of the film is missing.
@@ -168,8 +186,10 @@ impl<'a> Pass<'a> {
     ) -> Result<(), Cancelled> {
         let present = std::mem::replace(&mut self.iteration, iteration);
         let techniques = self.techniques.take();
+        let plan = self.plan.take();
         let outcome = run(self);
         self.iteration = present;
+        self.plan = plan;
         self.techniques = techniques;
         outcome
     }
@@ -375,6 +395,7 @@ impl<'a> Pass<'a> {
     {
         let cancel = self.cancel;
         let shape = self.sink_shape();
+        let plan = self.plan.clone();
         for round in self.rounds(n_paths.div_ceil(CHUNK)) {
             let (yields, parts): (Vec<Yield>, Vec<T>) = round
                 .into_par_iter()
@@ -383,15 +404,16 @@ impl<'a> Pass<'a> {
                     if cancel.is_cancelled() {
                         return (Yield::default(), T::default());
                     }
-                    let mut tracer = Tracer::new(scene);
+                    let (trail, observer) = plan.as_ref().map(Plan::observer).unzip();
+                    let mut tracer = Tracer::new(scene).observed(trail);
                     let mut lit = LitLayers::default();
-                    let mut sink = Sink::new(&mut [], &mut lit, shape);
+                    let mut sink = Sink::new(&mut [], &mut lit, shape).observed(observer);
                     let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(n_paths);
                     let part = paths(range, &mut tracer, &mut sink);
                     (sink.into_yield(tracer.n_rays()), part)
                 })
                 .unzip();
-            self.take(&yields)?;
+            self.take(yields)?;
             take(parts);
         }
         Ok(())
@@ -414,7 +436,7 @@ impl<'a> Pass<'a> {
     }
 
     /// Adds up what the tasks handed back, in their order.
-    fn take(&mut self, yields: &[Yield]) -> Result<(), Cancelled> {
+    fn take(&mut self, yields: Vec<Yield>) -> Result<(), Cancelled> {
         if self.cancel.is_cancelled() {
             return Err(Cancelled);
         }
@@ -422,13 +444,16 @@ impl<'a> Pass<'a> {
             self.film.is_none() || yields.iter().all(Yield::has_no_splats),
             "who says that it adds to pixels of its paths alone must not splat"
         );
-        add_splats(self.frame, yields);
+        add_splats(self.frame, &yields);
         for part in yields {
             if let Some(techniques) = &mut self.techniques {
                 techniques.take(&part.records);
             }
             self.frame.n_refused += part.n_refused;
             self.frame.n_rays += part.n_rays;
+            if let Some(seen) = part.seen {
+                self.seen.extend(seen);
+            }
         }
         Ok(())
     }

@@ -1,5 +1,7 @@
 //! The pixels of a tile, from which the paths of an iteration start.
 
+use std::collections::HashSet;
+
 use glam::Vec2;
 
 use super::CancelToken;
@@ -61,6 +63,8 @@ pub struct Pixels<'t> {
     bounds: TileBounds,
     width: usize,
     cancel: &'t CancelToken,
+    /// Columns and rows of those that count, if not all do.
+    only: Option<&'t HashSet<[u32; 2]>>,
     /// The next one.
     sample: usize,
     x: usize,
@@ -82,10 +86,16 @@ impl<'t> Pixels<'t> {
             bounds,
             width,
             cancel,
+            only: None,
             sample: 0,
             x,
             y,
         }
+    }
+
+    /// Passes by all pixels but some (columns and rows).
+    pub(super) fn only(self, only: Option<&'t HashSet<[u32; 2]>>) -> Self {
+        Self { only, ..self }
     }
 
     /// Number in the tile, and `y * width + x` in the image, of every pixel, once.
@@ -117,6 +127,19 @@ impl<'t> Iterator for Pixels<'t> {
 
     #[inline]
     fn next(&mut self) -> Option<PixelPath<'t>> {
+        loop {
+            let path = self.next_of_all()?;
+            let place = [path.place.x() as u32, path.place.y() as u32];
+            if self.only.is_none_or(|only| only.contains(&place)) {
+                return Some(path);
+            }
+        }
+    }
+}
+
+impl<'t> Pixels<'t> {
+    #[inline]
+    fn next_of_all(&mut self) -> Option<PixelPath<'t>> {
         let first = self.sample * self.n_splits;
         let numbers = self.numbers.get(first..first + self.n_splits)?;
         let (x, y) = (self.x, self.y);

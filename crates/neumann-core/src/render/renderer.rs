@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::coverage::Coverage;
+use super::replay::{Plan, Seen};
 use super::{CancelToken, Cancelled, Pass, RenderSettings, WorkerPool};
 use crate::endpoint::Camera;
 use crate::film::{Film, Frame, NextFilm, PhotonReport, TechniqueFilm};
@@ -145,6 +146,29 @@ impl Renderer {
             frame: &self.frame,
             next: Some(next),
         })
+    }
+
+    /// Runs an iteration by itself to see what arrives where.
+    pub(super) fn observe(
+        &self,
+        iteration: u32,
+        plan: &Plan,
+        cancel: &CancelToken,
+    ) -> Result<Seen, Cancelled> {
+        let settings = &self.settings;
+        let mut integrator = (settings.method.build)(&settings.values);
+        let plan = Plan {
+            only_these: integrator.traces_only_pixels(),
+            ..plan.clone()
+        };
+        let mut frame = Frame::new(settings.width, settings.height, settings.n_layers);
+        let (camera, coverage) = (&self.camera, &self.coverage);
+        let into = (&mut frame, None);
+        let mut pass = Pass::new(into, camera, coverage, settings, iteration, cancel, None);
+        pass.observe(&plan);
+        let scene = &*self.scene;
+        self.pool.run(|| integrator.iterate(scene, &mut pass))?;
+        Ok(pass.into_seen())
     }
 
     fn run(&mut self, film: Option<NextFilm<'_>>, cancel: &CancelToken) -> Result<(), Cancelled> {

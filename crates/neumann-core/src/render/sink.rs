@@ -6,6 +6,7 @@
 use glam::Vec2;
 use rayon::prelude::*;
 
+use super::replay::{Observer, Seen};
 use crate::film::techniques::{Record, RecordShape};
 use crate::film::{Contribution, Frame, LitLayers, Slot, TILE, TILE_PIXELS, TileGrid, add_to_tile};
 use crate::radiometry::Rgb;
@@ -26,6 +27,8 @@ pub struct Sink<'a> {
     /// The pixel of the film that the path belongs to.
     pixel: PixelPlace,
     records: Vec<Record>,
+    /// Who writes down what arrives, if anybody does.
+    observer: Option<Observer>,
 }
 
 /// Where the contributions of a path to its own pixel go.
@@ -70,6 +73,8 @@ pub(super) struct Yield {
     pub(super) records: Vec<Record>,
     pub(super) n_refused: u64,
     pub(super) n_rays: u64,
+    /// What an observer has seen.
+    pub(super) seen: Option<Seen>,
 }
 
 impl PixelPlace {
@@ -124,6 +129,35 @@ impl<'a> Sink<'a> {
             n_refused: 0,
             pixel: PixelPlace::default(),
             records: Vec::new(),
+            observer: None,
+        }
+    }
+
+    /// Lets somebody write down what arrives.
+    pub(super) fn observed(mut self, observer: Option<Observer>) -> Self {
+        self.observer = observer;
+        self
+    }
+
+    /// True if somebody writes down what arrives.
+    #[inline]
+    pub(crate) fn is_observed(&self) -> bool {
+        self.observer.is_some()
+    }
+
+    /// Tells the light path that camera vertices are connected to from now on.
+    #[inline]
+    pub(crate) fn joins(&mut self, light_path: u32) {
+        if let Some(observer) = &mut self.observer {
+            observer.joins(light_path);
+        }
+    }
+
+    /// Tells the light path that a camera vertex is merged with next.
+    #[inline]
+    pub(crate) fn merges(&mut self, light_path: u32) {
+        if let Some(observer) = &mut self.observer {
+            observer.merges(light_path);
         }
     }
 
@@ -158,6 +192,7 @@ impl<'a> Sink<'a> {
             records: self.records,
             n_refused: self.n_refused,
             n_rays,
+            seen: self.observer.map(Observer::into_seen),
         }
     }
 
@@ -182,6 +217,9 @@ impl<'a> Sink<'a> {
             return;
         }
         self.record((self.pixel.x, self.pixel.y), &contribution);
+        if let Some(observer) = &mut self.observer {
+            observer.add([self.pixel.x, self.pixel.y], contribution, self.share);
+        }
         let layer = (contribution.bounce as usize).min(self.shape.n_layers);
         if !value.is_black() {
             let in_tile = layer * TILE_PIXELS + self.pixel.in_tile as usize;
@@ -216,6 +254,9 @@ impl<'a> Sink<'a> {
         let layer = (contribution.bounce as usize).min(shape.n_layers);
         let slot = shape.grid.slot(layer, x as usize, y as usize);
         self.record((x, y), &contribution);
+        if let Some(observer) = &mut self.observer {
+            observer.splat([x, y], contribution, self.share);
+        }
         self.splats.push(Splat { slot, value });
     }
 }

@@ -10,7 +10,7 @@
 use glam::Vec3;
 
 use super::tracer::{chance, shadow_ray};
-use super::{SurfaceVertex, Tracer};
+use super::{SurfaceVertex, Tracer, VertexKind};
 use crate::accel::Hit;
 use crate::bsdf::{Bsdf, Walls};
 use crate::endpoint::{Aim, Start, SurfacePoint};
@@ -151,6 +151,7 @@ impl<'a> Tracer<'a> {
         media: &mut Media,
         throughput: &mut Rgb,
     ) -> Option<SurfaceVertex<'a>> {
+        self.note_ray(ray);
         let stop = if self.scene.bodies().is_empty() {
             Stop::at(found?, *media)
         } else {
@@ -161,6 +162,7 @@ impl<'a> Tracer<'a> {
         if stop.indices != [0; 2] {
             self.put_between(&mut vertex, stop.indices);
         }
+        self.note_vertex(&vertex, *throughput);
         Some(vertex)
     }
 
@@ -241,6 +243,7 @@ impl<'a> Tracer<'a> {
     /// Share of light that gets from a surface, on a side where `media` are, to what was aimed at.
     #[inline(always)]
     pub fn light_to(&mut self, from: &SurfacePoint, aim: &Aim, media: Media) -> Rgb {
+        self.note_aim(from.position, aim, VertexKind::Light);
         self.light_to_end(&shadow_ray(from, aim), aim.distance, media)
     }
 
@@ -248,6 +251,7 @@ impl<'a> Tracer<'a> {
     /// the surface itself.
     #[inline(always)]
     pub fn light_to_lens(&mut self, from: &SurfacePoint, aim: &Aim, media: Media) -> Rgb {
+        self.note_aim(from.position, aim, VertexKind::Lens);
         let ray = from.segment_to_lens(from.position + aim.wi * aim.distance);
         self.light_to_end(&ray, aim.distance, media)
     }

@@ -7,8 +7,11 @@ pub(crate) mod diffuse;
 mod medium;
 pub mod reflection;
 mod tracer;
+mod trail;
 mod vertex;
 
 pub use tracer::Tracer;
 pub(crate) use tracer::is_segment;
+pub use trail::{Event, Lobe, PathVertex, VertexKind};
+pub(crate) use trail::{SharedTrail, Trail};
 pub use vertex::{Densities, Scattering, SurfaceVertex, VertexSample};

@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use super::{SurfaceVertex, Tracer, VertexSample};
+use super::{SurfaceVertex, Tracer, VertexKind, VertexSample};
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::LightSample;
 use crate::endpoint::{Aim, LightChoice, Receiver};
@@ -84,6 +84,7 @@ pub fn aim_unshadowed(
     u: &LightSample,
 ) -> Option<(Aimed, Aim)> {
     let aim = tracer.scene.lights().aim(&vertex.receiver(), choice, u)?;
+    tracer.note_aim(vertex.point.position, &aim, VertexKind::Light);
     Some((Aimed::at(vertex, &aim)?, aim))
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::{SurfaceVertex, crossings};
+use super::{SharedTrail, SurfaceVertex, crossings};
 use crate::accel::{Hit, HitLanes, RayLanes, Sight};
 use crate::bsdf::Bsdf;
 use crate::endpoint::{Aim, SurfacePoint};
@@ -26,6 +26,8 @@ pub struct Tracer<'a> {
     n_rays: u64,
     /// Where a ray last left the camera, and what is there.
     pub(super) eye: Option<(Vec3, Media)>,
+    /// The path under way, if somebody observes it.
+    pub(super) trail: Option<SharedTrail>,
 }
 
 /// What a mesh says at a point, read out of its arrays.
@@ -59,6 +61,7 @@ impl<'a> Tracer<'a> {
             scene,
             n_rays: 0,
             eye: None,
+            trail: None,
         }
     }
 
@@ -71,8 +74,11 @@ impl<'a> Tracer<'a> {
     /// The first surface that the ray meets, with everything needed to scatter there.
     #[inline(always)]
     pub fn vertex(&mut self, ray: &Ray) -> Option<SurfaceVertex<'a>> {
+        self.note_ray(ray);
         let hit = self.hit(ray)?;
-        Some(self.surface_vertex(ray, &hit))
+        let vertex = self.surface_vertex(ray, &hit);
+        self.note_vertex(&vertex, Rgb::WHITE);
+        Some(vertex)
     }
 
     /// The first surface that the ray meets; surfaces with alpha may let it pass.

@@ -98,6 +98,19 @@ impl Direction {
 }
 
 impl VertexSample {
+    /// A direction of a lobe that is not specular.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(wi: Vec3, f_cos: Rgb, pdf_w: f32) -> Self {
+        Self {
+            wi,
+            f_cos,
+            pdf_w,
+            is_delta: false,
+            delta_reverse: 0.0,
+        }
+    }
+
     /// `f cos / pdf`: what the step multiplies the throughput by.
     #[inline]
     #[must_use]

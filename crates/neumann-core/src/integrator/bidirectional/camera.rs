@@ -183,7 +183,7 @@ impl CameraEnd<'_> {
                 merge(vertex);
             }
         }
-        walk.scatter(&vertex, &u, self.has_roulette, weighing)
+        walk.scatter(&vertex, tracer, &u, self.has_roulette, weighing)
     }
 }
 
@@ -192,7 +192,7 @@ impl<'s> CameraEnd<'s> {
     pub(in crate::integrator) fn trace<'p>(
         &self,
         mut pixels: Pixels<'_>,
-        light_path: impl Fn(&PixelPath<'_>) -> &'p [LightVertex],
+        light_path: impl Fn(&PixelPath<'_>) -> (u32, &'p [LightVertex]),
         room: &mut CameraRoom<'s>,
         tracer: &mut Tracer<'s>,
         sink: &mut Sink<'_>,
@@ -209,7 +209,9 @@ impl<'s> CameraEnd<'s> {
                 let lights = &mut room.lights[lane];
                 lights.clear();
                 if self.has_connections {
-                    for vertex in light_path(&pixel) {
+                    let (path, vertices) = light_path(&pixel);
+                    sink.joins(path);
+                    for vertex in vertices {
                         lights.push(&vertex.restored(tracer));
                     }
                 }

@@ -177,6 +177,7 @@ pub fn hit_lens(
     let nearest = nearest.map_or(f32::INFINITY, |hit| hit.t);
     let lens = camera.hit_lens(&walk.ray, nearest)?;
     let light = tracer.light_before_lens(&walk.ray, lens.distance, walk.media);
+    tracer.note_lens(walk.ray.origin() + walk.ray.direction() * lens.distance);
     let distance_squared = lens.distance * lens.distance;
     let partial = weighing.arrive(walk.carried.partial, distance_squared, lens.cos);
     let mis_weight = weighing.lens(partial, &lens);
@@ -298,6 +299,7 @@ pub fn see_light(
         let pdf_w = lights.pmf_start(start.light) * start.densities.pdf_w;
         let value = start.value * (importance / pdf_w);
         let media = tracer.media_at_camera(&ray);
+        tracer.note_lens(ray.origin());
         let light = tracer.light_along(&ray, f32::INFINITY, media);
         (raster, value * light)
     };

@@ -1,6 +1,6 @@
 //! Subpaths side by side, from either end ([`crate::integrator::lanes`]).
 
-use super::walk::{Carried, CarriedLanes, Roulette, of_first};
+use super::walk::{Carried, CarriedLanes, of_first};
 use super::{Heuristic, Vertex, Walk, Weighing};
 use crate::accel::HitLanes;
 use crate::bsdf::TransportMode;
@@ -268,15 +268,12 @@ fn leave_lanes(
             partial: vertices.partial.get(lane),
             ..walks.carried.get(lane)
         };
-        let roulette = Roulette {
-            is_on: has_roulette,
-            number: numbers.roulette.get(lane),
-        };
         let surface = vertices.surfaces.vertex(lane);
         let bounce = walks.common.bounces.get(lane);
         let sample = samples.get(lane);
         let mode = walks.mode;
-        let survives = carried.leave(&surface, bounce, &sample, mode, roulette, weighing);
+        let survival = carried.leave(&surface, bounce, &sample, mode, has_roulette, weighing);
+        let survives = numbers.roulette.get(lane) < survival;
         goes_on.set(lane, u32::from(samples.is_drawn(lane) & survives));
         walks.common.go_on(lane, is_together, samples);
         walks.carried.set_if(is_together, lane, carried);

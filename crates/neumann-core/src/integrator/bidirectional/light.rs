@@ -22,7 +22,7 @@ use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
 use crate::math::ray::NO_TRIANGLE;
 use crate::photons::Photon;
 use crate::radiometry::Rgb;
-use crate::render::Sink;
+use crate::render::{LightPaths, Sink};
 use crate::sampling::{Sampler, StartNumbers};
 use crate::scene::Scene;
 use crate::scene::bodies::Media;
@@ -40,6 +40,16 @@ pub(in crate::integrator) struct LightEnd<'a> {
     /// How they bring light to the lens.
     pub(in crate::integrator) to_lens: ToLens,
     pub(in crate::integrator) weighing: Weighing,
+}
+
+/// A light subpath that is to be walked.
+pub(in crate::integrator) struct LightPath {
+    /// Its number in the iteration, which is its name.
+    pub(in crate::integrator) path: u32,
+    /// The number by which its vertices are kept.
+    pub(in crate::integrator) number: u32,
+    /// Its random numbers.
+    pub(in crate::integrator) sampler: Sampler<'static>,
 }
 
 /// How light subpaths bring light to the lens.
@@ -75,11 +85,10 @@ struct Lights<'s> {
 }
 
 impl LightEnd<'_> {
-    /// Traces the subpaths that start with these random numbers, each with a number by which
-    /// `keep` knows its vertices.
+    /// Traces subpaths, and hands their vertices to `keep`.
     pub(in crate::integrator) fn trace(
         &self,
-        mut paths: impl Iterator<Item = (usize, Sampler<'static>)>,
+        mut paths: impl Iterator<Item = LightPath>,
         tracer: &mut Tracer<'_>,
         sink: &mut Sink<'_>,
         mut keep: impl FnMut(u32, LightVertex),
@@ -198,7 +207,7 @@ impl LightEnd<'_> {
                 }
             }
         }
-        walk.scatter(&vertex, &u, self.has_roulette, &self.weighing)
+        walk.scatter(&vertex, tracer, &u, self.has_roulette, &self.weighing)
     }
 
     /// The same step of the subpaths in all lanes that have met plain surfaces.
@@ -271,7 +280,7 @@ impl LightEnd<'_> {
     /// plain triangles start together.
     fn start_all(
         &self,
-        paths: &mut impl Iterator<Item = (usize, Sampler<'static>)>,
+        paths: &mut impl Iterator<Item = LightPath>,
         lights: &mut Lights<'_>,
         tracer: &mut Tracer<'_>,
         sink: &mut Sink<'_>,
@@ -284,11 +293,17 @@ impl LightEnd<'_> {
         } = lights;
         let (mut together, mut is_last) = (0, false);
         for lane in lanes_of(walks.common.free()) {
-            let Some((number, sampler)) = paths.next() else {
+            let Some(LightPath {
+                path,
+                number,
+                sampler,
+            }) = paths.next()
+            else {
                 is_last = true;
                 break;
             };
-            numbers[lane] = number as u32;
+            numbers[lane] = number;
+            tracer.next_light_path(path);
             let u = sampler.start();
             if walks.common.may_join() && starts.choose(self.scene, lane, &u) {
                 together |= 1 << lane;
@@ -337,6 +352,16 @@ impl LightEnd<'_> {
             );
         }
     }
+}
+
+/// Light paths, each kept by its place among those that are handed over.
+pub(in crate::integrator) fn numbered(paths: LightPaths) -> impl Iterator<Item = LightPath> {
+    let first = paths.next_number();
+    paths.enumerate().map(move |(number, sampler)| LightPath {
+        path: (first + number) as u32,
+        number: number as u32,
+        sampler,
+    })
 }
 
 impl LightVertex {

@@ -6,7 +6,7 @@ use super::light::LightVertex;
 use super::{Partial, Vertex, Weighing};
 use crate::film::{Contribution, Strategy};
 use crate::photons::{HashGrid, Near, Photon, Placed};
-use crate::render::Sink;
+use crate::render::{Collected, Sink};
 
 /// A light vertex as merging needs it: one line of a processor's cache.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +21,8 @@ pub(in crate::integrator) struct Mergeable {
 #[derive(Clone, Copy)]
 pub(in crate::integrator) struct Merging<'a> {
     grid: &'a HashGrid<Mergeable>,
+    /// What it was filled with.
+    paths: &'a Collected<LightVertex>,
     /// One over the area of the disk in which vertices are merged, and over the number of light subpaths, 1/m².
     per_merge: f32,
 }
@@ -53,15 +55,17 @@ impl Placed for Mergeable {
 }
 
 impl<'a> Merging<'a> {
-    /// Merges vertices of `n_paths` light subpaths within `radius`, metres.
+    /// Merges vertices of light subpaths within `radius`, metres.
     pub(in crate::integrator) fn new(
         grid: &'a HashGrid<Mergeable>,
+        paths: &'a Collected<LightVertex>,
         radius: f32,
-        n_paths: usize,
     ) -> Self {
+        let n_paths = paths.n_paths() as f32;
         Self {
             grid,
-            per_merge: std::f32::consts::FRAC_1_PI / (radius * radius * n_paths as f32),
+            paths,
+            per_merge: std::f32::consts::FRAC_1_PI / (radius * radius * n_paths),
         }
     }
 
@@ -89,6 +93,10 @@ impl<'a> Merging<'a> {
             let Some(scattered) = light.photon.scattered(&vertex.surface) else {
                 continue;
             };
+            if sink.is_observed() {
+                let item = self.grid.item_of(found.number);
+                sink.merges(self.paths.path_of(item));
+            }
             sink.add(Contribution {
                 value: vertex.throughput * scattered.f_power * self.per_merge,
                 mis_weight: weighing.merge(

@@ -15,7 +15,7 @@ pub mod walk;
 pub mod weights;
 
 pub(super) use camera::{CameraEnd, CameraRoom};
-pub(super) use light::{LightEnd, LightVertex, ToLens};
+pub(super) use light::{LightEnd, LightPath, LightVertex, ToLens, numbered};
 pub(super) use merging::{Mergeable, Merging};
 pub use walk::{Vertex, Walk};
 pub use weights::{Heuristic, Partial, Weighing};

@@ -189,7 +189,6 @@ mod tests {
     use crate::endpoint::Camera;
     use crate::film::Contribution;
     use crate::integrator::bidirectional::{Heuristic, Vertex, Walk, Weighing};
-    use crate::radiometry::Rgb;
     use crate::render::PixelPlace;
     use crate::sampling::Sampler;
     use crate::scene::Scene;
@@ -212,7 +211,7 @@ mod tests {
                 vertices.push(vertex);
             }
             let u = sampler.bounce(walk.bounce());
-            if walk.bounce() == MAX_BOUNCES || !walk.scatter(&vertex, &u, false, weighing) {
+            if walk.bounce() == MAX_BOUNCES || !walk.scatter(&vertex, tracer, &u, false, weighing) {
                 break;
             }
         }

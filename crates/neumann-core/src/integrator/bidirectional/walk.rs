@@ -69,13 +69,6 @@ side_by_side! {
     }
 }
 
-/// The number that decides whether a subpath goes on, if it is asked.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Roulette {
-    pub(super) is_on: bool,
-    pub(super) number: f32,
-}
-
 impl Carried {
     /// What a subpath from a light starts with.
     #[inline(always)]
@@ -105,7 +98,7 @@ impl Carried {
     }
 
     /// Takes the scattering event after `bounce` others into account, with the direction that was
-    /// drawn; false where the subpath ends.
+    /// drawn: the probability with which the subpath goes on.
     #[inline(always)]
     pub(super) fn leave(
         &mut self,
@@ -113,11 +106,11 @@ impl Carried {
         bounce: u32,
         sample: &VertexSample,
         mode: TransportMode,
-        roulette: Roulette,
+        has_roulette: bool,
         weighing: &Weighing,
-    ) -> bool {
+    ) -> f32 {
         self.throughput *= sample.throughput();
-        let survival = if roulette.is_on && !sample.is_delta {
+        let survival = if has_roulette && !sample.is_delta {
             roulette::survival_after(bounce, self.throughput / self.initial)
         } else {
             1.0
@@ -132,7 +125,7 @@ impl Carried {
                 sample.is_delta,
             );
         }
-        roulette.number < survival
+        survival
     }
 }
 
@@ -191,7 +184,7 @@ impl Walk {
                 initial: 1.0,
                 partial: weighing.of_camera(&start),
             },
-            media: tracer.media_at_camera(&start.ray),
+            media: tracer.begin_at_camera(&start.ray),
             n_vertices: 1,
             receiver: None,
             light: None,
@@ -204,7 +197,7 @@ impl Walk {
     #[must_use]
     pub fn from_light(start: &Start, tracer: &mut Tracer<'_>, weighing: &Weighing) -> Self {
         Self {
-            media: tracer.media_at_light(start),
+            media: tracer.begin_at_light(start),
             comes_from_infinity: start.is_at_infinity(),
             ..Self::leaving_light(start.ray(), Carried::of_light(start, weighing), start.light)
         }
@@ -274,6 +267,7 @@ impl Walk {
     pub fn scatter(
         &mut self,
         vertex: &Vertex<'_>,
+        tracer: &mut Tracer<'_>,
         u: &BounceNumbers,
         has_roulette: bool,
         weighing: &Weighing,
@@ -282,13 +276,11 @@ impl Walk {
         let Some(sample) = surface.sample(u.bsdf(), self.mode) else {
             return false;
         };
-        let roulette = Roulette {
-            is_on: has_roulette,
-            number: u.roulette,
-        };
         let (bounce, mode) = (self.bounce(), self.mode);
         let carried = &mut self.carried;
-        if !carried.leave(surface, bounce, &sample, mode, roulette, weighing) {
+        let survival = carried.leave(surface, bounce, &sample, mode, has_roulette, weighing);
+        tracer.leaves(surface, &sample, mode, survival);
+        if u.roulette >= survival {
             return false;
         }
         self.is_specular &= sample.is_delta;

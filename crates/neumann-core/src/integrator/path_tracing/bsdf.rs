@@ -38,7 +38,7 @@ impl Integrator for BsdfSampling {
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
             let mut ray = camera.ray(raster, sampler.start().lens).ray;
             let mut throughput = Rgb::WHITE;
-            let mut media = tracer.media_at_camera(&ray);
+            let mut media = tracer.begin_at_camera(&ray);
             for bounce in 0..=max_bounces {
                 // What does the ray meet? Nothing: the environment emits.
                 let Some(vertex) = tracer.meet(&ray, &mut media, &mut throughput) else {
@@ -59,6 +59,7 @@ impl Integrator for BsdfSampling {
                     return;
                 };
                 throughput *= sample.throughput();
+                tracer.leaves(&vertex, &sample, MODE, 1.0);
                 media = vertex.media_towards(sample.wi, media);
                 ray = vertex.ray(sample.wi);
             }

@@ -162,7 +162,7 @@ impl Path {
                 n_events: 0,
                 drawn: Drawn::NOWHERE,
             },
-            media: tracer.media_at_camera(&ray),
+            media: tracer.begin_at_camera(&ray),
             bounce: 0,
         }
     }
@@ -193,6 +193,7 @@ impl Walk<'_> {
         let (mut path, vertex) = self.meet(path, found, tracer, sink)?;
         if self.splits && path.bounce == 0 && vertex.bsdf.has_density() {
             path.carried.throughput *= 1.0 / f32::from(N_SPLITS);
+            tracer.splits(u32::from(N_SPLITS));
             for sampler in others {
                 if let Some(next) = self.scatter(path, &vertex, tracer, &sampler, sink) {
                     split_off(next, sampler);
@@ -269,7 +270,9 @@ impl Walk<'_> {
 
         // On to the next vertex.
         let sample = sample?;
-        if !self.leave(&mut path.carried, vertex, &sample, u.roulette) {
+        let survival = self.leave(&mut path.carried, vertex, &sample);
+        tracer.leaves(vertex, &sample, MODE, survival);
+        if u.roulette >= survival {
             return None;
         }
         path.media = vertex.media_towards(sample.wi, media);
@@ -278,20 +281,19 @@ impl Walk<'_> {
         Some(path)
     }
 
-    /// Takes a direction that was drawn into account; false where the path ends by chance, as those
-    /// do that carry little.
+    /// Takes a direction that was drawn into account: the probability with which the path goes on.
+    /// Those that carry little end by chance.
     #[inline(always)]
     pub(super) fn leave(
         &self,
         carried: &mut Carried,
         vertex: &SurfaceVertex<'_>,
         sample: &VertexSample,
-        roulette: f32,
-    ) -> bool {
+    ) -> f32 {
         carried.throughput *= sample.throughput();
         carried.drawn = Drawn::at(vertex, sample);
         if sample.is_delta {
-            return true;
+            return 1.0;
         }
         let survival = if self.has_roulette {
             roulette::survival_after(carried.n_events, carried.throughput)
@@ -300,6 +302,6 @@ impl Walk<'_> {
         };
         carried.throughput *= 1.0 / survival;
         carried.n_events += 1;
-        roulette < survival
+        survival
     }
 }

@@ -307,7 +307,8 @@ vectorized! {
             let samples = &events.samples;
             let mut carried: Carried = paths.carried.get(lane);
             let (surface, sample) = (vertices.vertex(lane), samples.get(lane));
-            let survives = walk.leave(&mut carried, &surface, &sample, events.numbers.roulette.get(lane));
+            let survival = walk.leave(&mut carried, &surface, &sample);
+            let survives = events.numbers.roulette.get(lane) < survival;
             events.goes_on.set(lane, u32::from(samples.is_drawn(lane) & survives));
             paths.common.go_on(lane, is_together, samples);
             paths.carried.set_if(is_together, lane, carried);

@@ -10,14 +10,15 @@
 //! direction is preferred, no light is aimed at, no path ends before the cut.
 //! Where light can pass through a surface, directions are drawn from the whole sphere.
 
-use crate::bsdf::TransportMode;
 use crate::integrator::{Integrator, Method, ParameterValues, Sight};
 use crate::math::Frame;
 use crate::radiometry::Rgb;
 use crate::render::{Cancelled, Pass};
 use crate::sampling::warp;
 use crate::scene::Scene;
+use crate::transport::VertexSample;
 
+use super::bsdf::MODE;
 use super::{add_unlit, hit};
 
 /// The row of the registry.
@@ -48,7 +49,7 @@ impl Integrator for Naive {
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
             let mut ray = camera.ray(raster, sampler.start().lens).ray;
             let mut throughput = Rgb::WHITE;
-            let mut media = tracer.media_at_camera(&ray);
+            let mut media = tracer.begin_at_camera(&ray);
             for bounce in 0..=max_bounces {
                 // What does the ray meet? Nothing: the environment emits.
                 let Some(vertex) = tracer.meet(&ray, &mut media, &mut throughput) else {
@@ -74,7 +75,9 @@ impl Integrator for Naive {
                 let wi = Frame::from_z(vertex.point.ng).world_from_local(local) * side;
 
                 // f · cos / p, and on to the next vertex.
-                throughput *= vertex.f_cos(wi, TransportMode::Radiance) / pdf_w;
+                let sample = VertexSample::new(wi, vertex.f_cos(wi, MODE), pdf_w);
+                throughput *= sample.throughput();
+                tracer.leaves(&vertex, &sample, MODE, 1.0);
                 if throughput.is_black() {
                     return;
                 }

@@ -64,7 +64,7 @@ impl Integrator for NextEvent {
         pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
             let mut ray = camera.ray(raster, sampler.start().lens).ray;
             let mut throughput = Rgb::WHITE;
-            let mut media = tracer.media_at_camera(&ray);
+            let mut media = tracer.begin_at_camera(&ray);
             let mut is_specular = true;
             for bounce in 0..=max_bounces {
                 // What does the ray meet? Nothing: the environment emits.
@@ -101,6 +101,7 @@ impl Integrator for NextEvent {
                     return;
                 };
                 throughput *= sample.throughput();
+                tracer.leaves(&vertex, &sample, MODE, 1.0);
                 is_specular = sample.is_delta;
                 media = vertex.media_towards(sample.wi, media);
                 ray = vertex.ray(sample.wi);

@@ -11,6 +11,7 @@ use crate::film::{Contribution, FilmTile, LitLayers, Strategy, TileBounds};
 use crate::radiometry::Rgb;
 use crate::render::Cancelled;
 use crate::render::pixels::Pixels;
+use crate::render::replay::Plan;
 use crate::render::sink::{PixelPlace, Sink, Yield};
 use crate::sampling::TileNumbers;
 use crate::scene::Scene;
@@ -47,8 +48,12 @@ impl Pass<'_> {
         self.frame.n_samples = samples.total(grid);
         let (cancel, coverage) = (self.cancel, self.coverage);
         let shape = self.sink_shape();
-        let trace = |room: &mut R, number: usize, mut sink: Sink<'_>| {
-            let mut tracer = Tracer::new(scene);
+        let plan = self.plan.clone();
+        let background = background.filter(|_| plan.is_none());
+        let trace = |room: &mut R, number: usize, sink: Sink<'_>| {
+            let (trail, observer) = plan.as_ref().map(Plan::observer).unzip();
+            let mut tracer = Tracer::new(scene).observed(trail);
+            let mut sink = sink.observed(observer);
             let bounds = grid.bounds(number);
             if let Some(radiance) = background
                 && !coverage.is_covered(number)
@@ -62,7 +67,9 @@ impl Pass<'_> {
                 .flat_map(|sample| samples.numbers((number, bounds), keys, sample, n_splits))
                 .collect();
             let numbers = (numbers.as_slice(), usize::from(n_splits));
-            let pixels = Pixels::new(numbers, bounds, width, cancel);
+            let only = plan.as_ref().filter(|plan| plan.only_these);
+            let only = only.map(|plan| &*plan.pixels);
+            let pixels = Pixels::new(numbers, bounds, width, cancel).only(only);
             paths(room, pixels, &mut tracer, &mut sink);
             sink.into_yield(tracer.n_rays())
         };
@@ -109,7 +116,7 @@ impl Pass<'_> {
             {
                 *n_rays = part.n_rays as u32;
             }
-            self.take(&yields)?;
+            self.take(yields)?;
         }
         Ok(())
     }

@@ -18,6 +18,7 @@ mod options;
 mod outputs;
 mod progress;
 mod render;
+mod replay;
 mod series;
 mod session;
 mod start;
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
         None => start::run(cli.scene.as_deref()),
         Some(Command::View(arguments)) => view::run(&arguments),
         Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Series(arguments)) => series::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::List(arguments)) => list::run(&arguments),

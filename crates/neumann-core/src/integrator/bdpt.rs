@@ -105,7 +105,7 @@ impl Integrator for Bidirectional {
             let starts = pixels.indices().map(light_path);
             kept.clear();
             light.trace(starts, tracer, sink, |number, vertex| {
-                kept.push((number, vertex))
+                kept.push((number, vertex));
             });
             paths.sort(kept, TILE_PIXELS);
             // Its camera paths, each joined with one of them.

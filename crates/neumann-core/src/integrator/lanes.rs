@@ -212,14 +212,15 @@ impl Unseen {
         self.rays
             .set_mask_where(lanes, &self.is_there, &self.is_apart);
         let shares = tracer.transmittances(&self.rays);
-        lanes_of(lanes).filter_map(move |lane| {
-            (self.is_there.get(lane) != 0 && shares[lane] > 0.0).then(|| Seen {
+        let this = &*self;
+        lanes_of(lanes)
+            .filter(move |&lane| this.is_there(lane) && shares[lane] > 0.0)
+            .map(move |lane| Seen {
                 lane,
-                value: self.value.get(lane) * shares[lane],
-                mis_weight: self.mis_weight.get(lane),
-                raster: Vec2::new(self.raster[0].get(lane), self.raster[1].get(lane)),
+                value: this.value.get(lane) * shares[lane],
+                mis_weight: this.mis_weight.get(lane),
+                raster: Vec2::new(this.raster[0].get(lane), this.raster[1].get(lane)),
             })
-        })
     }
 }
 

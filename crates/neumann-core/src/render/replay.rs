@@ -243,10 +243,11 @@ impl Renderer {
             }
             of_pixel.entry(found.pixel).or_default().push(replayed);
         }
-        for of_pixel in of_pixel.values_mut() {
-            number_samples(of_pixel);
-        }
-        let of = |pixel| of_pixel.get(pixel).cloned().unwrap_or_default();
+        let of = |pixel| {
+            let mut of_pixel = of_pixel.get(pixel).cloned().unwrap_or_default();
+            number_samples(&mut of_pixel);
+            of_pixel
+        };
         Ok(pixels.iter().map(of).collect())
     }
 }

@@ -43,6 +43,18 @@ pub enum Lobe {
     Specular,
 }
 
+impl Lobe {
+    fn of(vertex: &SurfaceVertex<'_>, is_delta: bool) -> Self {
+        if is_delta || !vertex.bsdf.has_density() {
+            Self::Specular
+        } else if vertex.bsdf.roughness() >= 1.0 {
+            Self::Diffuse
+        } else {
+            Self::Glossy
+        }
+    }
+}
+
 /// How a path leaves a vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct Event {
@@ -77,6 +89,8 @@ pub struct PathVertex {
     pub triangle: Option<u32>,
     /// Index of the material there.
     pub material: Option<u32>,
+    /// What scatters here where the path is joined to another one.
+    pub lobe: Option<Lobe>,
     /// Throughput of the path up to here, scattering not included.
     pub throughput: Rgb,
     /// The paths that go on from here in place of one.
@@ -94,6 +108,7 @@ impl PathVertex {
             ns: Vec3::ZERO,
             triangle: None,
             material: None,
+            lobe: None,
             throughput,
             n_paths: 1,
             event: None,
@@ -314,16 +329,9 @@ impl<'a> Tracer<'a> {
         let mut trail = trail.borrow_mut();
         trail.resume(vertex.point.position);
         let ng = vertex.point.ng;
-        let lobe = if sample.is_delta {
-            Lobe::Specular
-        } else if vertex.bsdf.roughness() >= 1.0 {
-            Lobe::Diffuse
-        } else {
-            Lobe::Glossy
-        };
         let event = Event {
             wi: sample.wi,
-            lobe,
+            lobe: Lobe::of(vertex, sample.is_delta),
             is_transmission: ng.dot(sample.wi) * ng.dot(vertex.wo) < 0.0,
             f_cos: sample.f_cos,
             pdf_w: sample.pdf_w,
@@ -355,6 +363,7 @@ impl<'a> Tracer<'a> {
                 ns: vertex.frame.z,
                 triangle: Some(vertex.triangle),
                 material: Some(geometry.meshes()[mesh].material),
+                lobe: Some(Lobe::of(vertex, false)),
                 throughput,
                 n_paths: 1,
                 event: None,

@@ -27,6 +27,15 @@ pub(crate) fn size(text: &str) -> Result<(usize, usize), String> {
         .ok_or_else(|| format!("use WIDTHxHEIGHT such as 1280x720, each from 1 to {MAX_EDGE}"))
 }
 
+/// `X,Y`, column and row.
+pub(crate) fn pixel(text: &str) -> Result<[u32; 2], String> {
+    let parse = || {
+        let (x, y) = text.split_once(',')?;
+        Some([x.trim().parse().ok()?, y.trim().parse().ok()?])
+    };
+    parse().ok_or_else(|| "use COLUMN,ROW such as 12,40, each from 0 on".to_owned())
+}
+
 /// A whole number of a range.
 pub(crate) fn whole(
     range: RangeInclusive<u32>,

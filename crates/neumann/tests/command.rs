@@ -11,6 +11,8 @@ mod examples;
 mod files_of_others;
 #[path = "command/refusals.rs"]
 mod refusals;
+#[path = "command/replay.rs"]
+mod replay;
 #[path = "command/signals.rs"]
 mod signals;
 

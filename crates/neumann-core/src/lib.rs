@@ -24,8 +24,9 @@
 //! | [`transport`] | vertices, visibility, one integral of reflection |
 //! | [`film`] | contributions, layers by bounce, views |
 //! | [`photons`] | light vertices kept and found again by place |
+//! | [`pass`] | one iteration: its paths in parallel, and where their contributions go |
 //! | [`integrator`] | the methods in lecture order, and their registry |
-//! | [`render`] | threads, streams, merge order; the loop behind a window |
+//! | [`render`] | iterations one after the other; the loop behind a window |
 //!
 //! # Use
 //! The mean of 16 iterations of a built-in scene, and one term of the series at one pixel:
@@ -99,6 +100,10 @@ pub mod scene;
 pub mod transport;
 
 pub mod film;
-pub mod integrator;
 pub mod photons;
+
+pub mod pass;
+
+pub mod integrator;
+
 pub mod render;

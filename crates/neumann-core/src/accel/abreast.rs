@@ -7,8 +7,8 @@
 
 use glam::Vec3;
 
-use super::Hit;
-use super::traverse::{AXES, FAR_PADDING, Prepared, most_slack, slack_of_depth, slack_of_origin};
+use super::hits::Hit;
+use super::prepared::{AXES, FAR_PADDING, Prepared, most_slack, slack_of_depth, slack_of_origin};
 use super::wide::{Node, WIDTH, WideTree};
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of};

@@ -14,7 +14,8 @@ use std::arch::x86_64::{
     _mm256_set1_ps, _mm256_setzero_ps, _mm256_store_ps, _mm256_sub_ps,
 };
 
-use super::traverse::{BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, decide_in_double};
+use super::prepared::{FAR_PADDING, Prepared};
+use super::traverse::{BoxHits, Kernel, LaneHits, decide_in_double};
 use super::wide::{LEAF, LEAF_SIZE, Leaf, Node, WIDTH, WideTree, leaf_of};
 
 pub(super) struct Avx2;
@@ -27,9 +28,9 @@ struct Aligned<const N: usize>([f32; N]);
 macro_rules! compile_for {
     ($features:literal) => {
         use super::Avx2;
-        use crate::accel::Hit;
         use crate::accel::abreast::RayLanes;
-        use crate::accel::bvh::{Crossing, PackedHit, Sight};
+        use crate::accel::hits::Hit;
+        use crate::accel::hits::{Crossing, PackedHit, Sight};
         use crate::accel::instances::Instances;
         use crate::accel::traverse::{self, SightLanes};
         use crate::accel::wide::WideTree;

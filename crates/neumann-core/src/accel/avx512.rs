@@ -18,11 +18,11 @@ use std::arch::x86_64::{
     _mm512_setzero_ps, _mm512_store_ps, _mm512_store_si512, _mm512_sub_ps, _mm512_test_epi32_mask,
 };
 
-use super::Hit;
 use super::abreast::{PreparedLanes, RayLanes};
 use super::avx2::Avx2;
-use super::bvh::{Best as BestOfOne, Sight};
-use super::traverse::{self, DEPTH_SLACK, FAR_PADDING, SightLanes};
+use super::hits::{Best as BestOfOne, Hit, Sight};
+use super::prepared::{DEPTH_SLACK, FAR_PADDING};
+use super::traverse::{self, SightLanes};
 use super::wide::{FLAT, LEAF, LEAF_SIZE, Leaf, Node, SMALL_LEAVES, WIDTH, WideTree, leaf_of};
 use crate::math::lanes::{Lanes, lanes_of};
 

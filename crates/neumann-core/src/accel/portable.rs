@@ -1,12 +1,10 @@
 //! Both tests over plain arrays, for any processor: compilers make four-wide code of it.
 
-use super::Hit;
 use super::abreast::RayLanes;
-use super::bvh::{Crossing, PackedHit, Sight};
+use super::hits::{Crossing, Hit, PackedHit, Sight};
 use super::instances::Instances;
-use super::traverse::{
-    self, BoxHits, FAR_PADDING, Kernel, LaneHits, Prepared, SightLanes, decide_in_double,
-};
+use super::prepared::{FAR_PADDING, Prepared};
+use super::traverse::{self, BoxHits, Kernel, LaneHits, SightLanes, decide_in_double};
 use super::wide::{LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
 use crate::math::Ray;
 

@@ -13,7 +13,7 @@ use crate::integrator::bidirectional::{
     CameraEnd, CameraRoom, Heuristic, LightEnd, LightPath, ToLens, Weighing,
 };
 use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
-use crate::render::{Cancelled, Collected, Pass, PixelPath};
+use crate::pass::{Cancelled, Collected, Pass, PixelPath};
 use crate::scene::Scene;
 
 use super::light_tracing::ROULETTE;

@@ -10,8 +10,8 @@ use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight
 use crate::bsdf::TransportMode;
 use crate::endpoint::LightChoice;
 use crate::math::Ray;
+use crate::pass::{Cancelled, Pass, Sink};
 use crate::radiometry::Rgb;
-use crate::render::{Cancelled, Pass, Sink};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::scene::bodies::Media;

@@ -7,7 +7,7 @@
 
 use super::bidirectional::{LightEnd, ToLens, Weighing, numbered};
 use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
-use crate::render::{Cancelled, Pass};
+use crate::pass::{Cancelled, Pass};
 use crate::scene::Scene;
 
 /// The row of the registry.

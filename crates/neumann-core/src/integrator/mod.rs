@@ -20,7 +20,7 @@ pub use parameter::{
 };
 pub use radius::Radius;
 
-use crate::render::{Cancelled, Pass};
+use crate::pass::{Cancelled, Pass};
 use crate::scene::Scene;
 
 /// Turns a scene into contributions, one complete estimate of the image at a time.

@@ -16,9 +16,9 @@ use crate::integrator::{
     Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
 };
 use crate::math::Ray;
+use crate::pass::{Cancelled, Collected, Pass, Sink};
 use crate::photons::{HashGrid, Kernel, Near, Photon};
 use crate::radiometry::Rgb;
-use crate::render::{Cancelled, Collected, Pass, Sink};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::scene::bodies::Media;

@@ -6,7 +6,7 @@
 use super::path_tracing::{add_unlit, connect, hit};
 use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
 use crate::endpoint::LightChoice;
-use crate::render::{Cancelled, Pass};
+use crate::pass::{Cancelled, Pass};
 use crate::scene::Scene;
 use crate::transport::reflection::{aim_unshadowed, light_sample};
 

@@ -16,8 +16,8 @@ use crate::film::PhotonReport;
 use crate::integrator::{
     Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
 };
+use crate::pass::{Cancelled, Collected, Pass, PixelPath};
 use crate::photons::HashGrid;
-use crate::render::{Cancelled, Collected, Pass, PixelPath};
 use crate::scene::Scene;
 use crate::transport::reflection::start_sample;
 

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use super::coverage::Coverage;
-use super::replay::{Plan, Seen};
-use super::{CancelToken, Cancelled, Pass, RenderSettings, WorkerPool};
+use super::{RenderSettings, WorkerPool};
 use crate::endpoint::Camera;
 use crate::film::{Film, Frame, NextFilm, PhotonReport, TechniqueFilm};
 use crate::integrator::Integrator;
+use crate::pass::{CancelToken, Cancelled, Coverage, Pass, Plan, Seen};
 use crate::scene::Scene;
 
 /// Runs the iterations of one set of settings.
@@ -164,7 +163,14 @@ impl Renderer {
         let mut frame = Frame::new(settings.width, settings.height, settings.n_layers);
         let (camera, coverage) = (&self.camera, &self.coverage);
         let into = (&mut frame, None);
-        let mut pass = Pass::new(into, camera, coverage, settings, iteration, cancel, None);
+        let mut pass = Pass::new(
+            into,
+            camera,
+            coverage,
+            settings.numbers(iteration),
+            cancel,
+            None,
+        );
         pass.observe(&plan);
         let scene = &*self.scene;
         self.pool.run(|| integrator.iterate(scene, &mut pass))?;
@@ -178,8 +184,7 @@ impl Renderer {
             (&mut self.frame, film),
             &self.camera,
             &self.coverage,
-            &self.settings,
-            self.next_iteration,
+            self.settings.numbers(self.next_iteration),
             cancel,
             self.techniques.as_mut(),
         );

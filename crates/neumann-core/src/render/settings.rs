@@ -3,6 +3,7 @@
 
 use crate::film::DEFAULT_LAYERS;
 use crate::integrator::{DEFAULT_METHOD, METHODS, Method, ParameterValues, method};
+use crate::pass::PassNumbers;
 use crate::scene::description::CameraDescription;
 
 /// Scene aside, everything that determines the picture.
@@ -40,6 +41,15 @@ impl RenderSettings {
             max_bounces: 16,
             n_layers: DEFAULT_LAYERS,
             seed: 0,
+        }
+    }
+
+    /// What the paths of an iteration depend on.
+    pub(super) fn numbers(&self, iteration: u32) -> PassNumbers {
+        PassNumbers {
+            max_bounces: self.max_bounces,
+            seed: self.seed,
+            iteration,
         }
     }
 }

@@ -3,6 +3,7 @@
 pub mod discrete;
 pub mod mis;
 mod numbers;
+mod points;
 mod rng;
 pub mod roulette;
 mod sobol;

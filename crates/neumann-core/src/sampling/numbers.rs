@@ -5,7 +5,8 @@
 //! method depends on the order in which another one draws, and paths that several methods have in
 //! common are the same paths.
 
-use super::rng::{N_PAIRS, Sampler};
+use super::Sampler;
+use super::sobol::N_PAIRS;
 
 /// What a path from the camera or from a light starts with: points of [0, 1)².
 #[derive(Clone, Copy, Debug)]

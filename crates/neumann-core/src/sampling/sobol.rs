@@ -1,7 +1,8 @@
 //! Matrices of Sobol's sequence, with the direction numbers of Joe and Kuo 2008, "Constructing Sobol' Sequences with
 //! Better Two-Dimensional Projections" (their list `new-joe-kuo-6`).
 
-use super::rng::N_PAIRS;
+/// Pairs of numbers that are made at once.
+pub(super) const N_PAIRS: usize = 4;
 
 /// A point of a block, the bits of its coordinates reversed: the first half of the lanes are the first dimensions of the
 /// block's pairs, the second half their second.

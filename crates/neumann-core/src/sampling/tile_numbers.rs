@@ -18,11 +18,10 @@
 
 use std::sync::LazyLock;
 
-use super::Sampler;
-use super::rng::{BLOCKS_PER_BOUNCE, N_PAIRS, Pixel, path_key, scrambled_pair, scrambled_point};
-use super::sobol::{N_JOINT_BLOCKS, Point};
+use super::points::{BLOCKS_PER_BOUNCE, path_key, scrambled_pair, scrambled_point};
+use super::sobol::{N_JOINT_BLOCKS, N_PAIRS, Point};
 
-const EDGE: usize = TileNumbers::EDGE;
+pub(super) const EDGE: usize = TileNumbers::EDGE;
 /// Blocks of which the points are made in advance, at most: two for each of sixteen bounces.
 const N_KEPT: usize = 34;
 /// Numbers of paths from here on are those of tiles, see [`path_key`].
@@ -35,11 +34,11 @@ const SHIFT_KEY: u64 = 0x7e_554a;
 /// What the pixels of a tile have in common in one iteration.
 #[derive(Debug)]
 pub struct TileNumbers {
-    seed: u64,
+    pub(super) seed: u64,
     /// Index in the sequence of the camera's numbers,
     camera: u32,
     /// and of the others.
-    iteration: u32,
+    pub(super) iteration: u32,
     tile_key: u64,
     /// `kept[bounce * 2 + i]`, where the camera counts as a bounce.
     kept: [Point; N_KEPT],
@@ -88,6 +87,14 @@ fn permutation_of_4(random: u64) -> [u32; 4] {
     permutation
 }
 
+/// A pixel's place among those that share their points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pixel<'a> {
+    pub(super) numbers: &'a TileNumbers,
+    /// Its number in the tile.
+    pub(super) in_tile: u32,
+}
+
 impl TileNumbers {
     /// Pixels along an edge of a tile, a power of two.
     pub const EDGE: usize = 16;
@@ -128,17 +135,6 @@ impl TileNumbers {
             n_kept,
             shifts: &SHIFTS[tile_key as usize % N_ARRANGEMENTS],
         }
-    }
-
-    /// The numbers of pixel (x, y) of the tile, which has the given index in the image.
-    #[inline]
-    #[must_use]
-    pub fn of_pixel(&self, x: usize, y: usize, index: usize) -> Sampler<'_> {
-        let pixel = Pixel {
-            numbers: self,
-            in_tile: (y % EDGE * EDGE + x % EDGE) as u32,
-        };
-        Sampler::of_pixel(path_key(self.seed, index as u64), self.iteration, pixel)
     }
 
     /// The point that all pixels have in a block.

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3, Vec4};
 
 use super::description::{InstanceDescription, MeshDescription, SceneDescription};
-use super::geometry::{Geometry, MeshArrays, MeshPlacement, PlacedMesh};
+use super::geometry::{self, Geometry, MeshArrays, MeshPlacement, PlacedMesh};
 use super::{OpeningProgress, OpeningStep};
-use crate::accel::{Bvh, Placement, TreeQuality};
+use crate::accel::{Bvh, TreeQuality};
 
 /// Coordinates beyond this overflow in single precision when squared and multiplied.
 const LARGEST_COORDINATE: f32 = 1e9;
@@ -184,7 +184,7 @@ impl Builder<'_> {
         if n_triangles == 0 {
             (min, max) = (Vec3::NEG_ONE, Vec3::ONE);
         }
-        let tree = tree(&self.meshes, first_instance, quality);
+        let tree = geometry::tree(&self.meshes, first_instance, quality);
         // Only now, as the tree takes most memory while it is built.
         let mut facets = Vec::with_capacity(self.n_triangles);
         for (number, mesh) in self.meshes[..first_instance].iter().enumerate() {
@@ -200,33 +200,6 @@ impl Builder<'_> {
         };
         (geometry, tree)
     }
-}
-
-/// A tree over meshes that stand in the world by themselves and, from `first_instance` on, instances of shared ones.
-pub(super) fn tree(meshes: &[PlacedMesh], first_instance: usize, quality: TreeQuality) -> Bvh {
-    let (single, instances) = meshes.split_at(first_instance);
-    let mut triangles = Vec::with_capacity(single.iter().map(|m| m.arrays.triangles.len()).sum());
-    triangles.extend(single.iter().flat_map(PlacedMesh::triangles));
-    let mut numbers = HashMap::new();
-    let mut shared: Vec<Vec<[Vec3; 3]>> = Vec::new();
-    let mut placements = Vec::new();
-    for instance in instances {
-        let Some(placement) = &instance.placement else {
-            continue;
-        };
-        let arrays = &instance.arrays;
-        let mesh = *numbers.entry(Arc::as_ptr(arrays)).or_insert_with(|| {
-            let corners = |t: &[u32; 3]| t.map(|v| arrays.positions[v as usize]);
-            shared.push(arrays.triangles.iter().map(corners).collect());
-            shared.len() - 1
-        });
-        placements.push(Placement {
-            mesh,
-            world_from_mesh: placement.world_from_mesh,
-            first_triangle: instance.first_triangle,
-        });
-    }
-    Bvh::with_instances(&triangles, &shared, &placements, quality)
 }
 
 fn bounds_of(points: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {

@@ -1,11 +1,11 @@
 //! All triangles of a scene in world space, and what their corners carry.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat3, Mat4, Vec2, Vec3, Vec4};
 
-use super::build;
-use crate::accel::{Bvh, Hit, TreeQuality};
+use crate::accel::{Bvh, Hit, Placement, TreeQuality};
 use crate::math::lanes::select;
 use crate::math::prefetch;
 use crate::math::triangle::point_between;
@@ -218,7 +218,7 @@ impl Geometry {
     /// A new tree over all triangles.
     #[must_use]
     pub(super) fn tree(&self, quality: TreeQuality) -> Bvh {
-        build::tree(&self.meshes, self.first_instance, quality)
+        tree(&self.meshes, self.first_instance, quality)
     }
 
     /// Number of triangles.
@@ -260,6 +260,33 @@ impl Geometry {
         let corners = mesh.corners(vertices.map(|v| v as usize));
         Facet::new(&corners, (self.first_instance + index) as u32, vertices)
     }
+}
+
+/// A tree over meshes that stand in the world by themselves and, from `first_instance` on, instances of shared ones.
+pub(super) fn tree(meshes: &[PlacedMesh], first_instance: usize, quality: TreeQuality) -> Bvh {
+    let (single, instances) = meshes.split_at(first_instance);
+    let mut triangles = Vec::with_capacity(single.iter().map(|m| m.arrays.triangles.len()).sum());
+    triangles.extend(single.iter().flat_map(PlacedMesh::triangles));
+    let mut numbers = HashMap::new();
+    let mut shared: Vec<Vec<[Vec3; 3]>> = Vec::new();
+    let mut placements = Vec::new();
+    for instance in instances {
+        let Some(placement) = &instance.placement else {
+            continue;
+        };
+        let arrays = &instance.arrays;
+        let mesh = *numbers.entry(Arc::as_ptr(arrays)).or_insert_with(|| {
+            let corners = |t: &[u32; 3]| t.map(|v| arrays.positions[v as usize]);
+            shared.push(arrays.triangles.iter().map(corners).collect());
+            shared.len() - 1
+        });
+        placements.push(Placement {
+            mesh,
+            world_from_mesh: placement.world_from_mesh,
+            first_triangle: instance.first_triangle,
+        });
+    }
+    Bvh::with_instances(&triangles, &shared, &placements, quality)
 }
 
 impl PlacedMesh {

@@ -2,10 +2,11 @@
 
 use std::marker::PhantomData;
 
-use super::{Kernel, Prepared, Visitor, passes, walk};
-use crate::accel::Hit;
-use crate::accel::bvh::Crossing;
+use super::{Kernel, Visitor, passes, walk};
+use crate::accel::hits::Crossing;
+use crate::accel::hits::Hit;
 use crate::accel::instances::Instances;
+use crate::accel::prepared::Prepared;
 use crate::accel::wide::{LEAF_SIZE, WideTree, leaf_of};
 use crate::math::Ray;
 

@@ -2,10 +2,11 @@
 
 use std::marker::PhantomData;
 
-use super::{AnyVisitor, Kernel, Prepared, passes, walk_below_root_until, walk_until};
+use super::{AnyVisitor, Kernel, passes, walk_below_root_until, walk_until};
 use crate::accel::abreast::{BoxHitLanes, PreparedLanes, RayLanes};
-use crate::accel::bvh::Sight;
+use crate::accel::hits::Sight;
 use crate::accel::instances::Instances;
+use crate::accel::prepared::Prepared;
 use crate::accel::wide::{LEAF_SIZE, Leaf, WideTree, leaf_of};
 use crate::math::Ray;
 use crate::math::lanes::lanes_of;

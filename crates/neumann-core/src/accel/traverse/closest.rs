@@ -2,11 +2,12 @@
 
 use std::marker::PhantomData;
 
-use super::{Kernel, Prepared, Visitor, passes, walk, walk_below_root};
-use crate::accel::Hit;
+use super::{Kernel, Visitor, passes, walk, walk_below_root};
 use crate::accel::abreast::{BoxHitLanes, PreparedLanes, RayLanes};
-use crate::accel::bvh::Best;
+use crate::accel::hits::Best;
+use crate::accel::hits::Hit;
 use crate::accel::instances::Instances;
+use crate::accel::prepared::Prepared;
 use crate::accel::wide::{LEAF_SIZE, Leaf, WideTree, leaf_of};
 use crate::math::Ray;
 use crate::math::lanes::lanes_of;

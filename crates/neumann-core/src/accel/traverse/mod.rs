@@ -23,12 +23,12 @@
 
 use std::mem::MaybeUninit;
 
+use super::prepared::{FAR_PADDING, Prepared};
 use super::wide::{FLAT, LEAF, LEAF_SIZE, Leaf, Node, STACK_SIZE, WIDTH, WideTree};
 
 mod all;
 mod any;
 mod closest;
-mod prepared;
 
 pub(super) use all::crossings;
 #[cfg(target_arch = "x86_64")]
@@ -37,19 +37,6 @@ pub(super) use any::{SightLanes, any, any_of_instances, any_of_lanes};
 #[cfg(target_arch = "x86_64")]
 pub(super) use closest::meet_leaf;
 pub(super) use closest::{closest, closest_of_all, closest_of_lanes};
-pub(super) use prepared::{AXES, Prepared, most_slack, slack_of_depth, slack_of_origin};
-
-/// Room for the rounding of three operations on either side of a box. What a ray has met is moved
-/// out as well: a triangle in a box right behind may be as near, and count.
-pub(super) const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;
-
-/// Slack of a distance, relative to how far away the corners of the triangle are along the axis
-/// that the ray runs along most: what the test rounds, with room for triangles fifty times as long
-/// as they are wide, or seen as small.
-pub(super) const DEPTH_SLACK: f32 = 1.0 / 16_384.0;
-/// Slack relative to the coordinates of the origin: what an origin on a surface may be off it, and
-/// surfaces in one plane off each other.
-const ORIGIN_SLACK: f32 = 1.0 / 1_048_576.0;
 
 /// Which children of a node are met.
 pub(super) struct BoxHits {

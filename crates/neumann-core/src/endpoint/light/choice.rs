@@ -3,31 +3,13 @@
 //! Seen from a point, the lights that have a place are in a tree, and those infinitely far away beside it
 //! (\[PBR4\] 12.6.3).
 
-use glam::Vec3;
-
 use super::bounds::LightBounds;
 use super::build::build;
 use super::instances::LightInstance;
+use super::receiver::Receiver;
 use super::tree::{Importances, LightTree};
 use super::{Bounds, Light};
-use crate::math::lanes::side_by_side;
 use crate::sampling::discrete::AliasTable;
-
-/// A point of a surface that lights are aimed at from.
-#[derive(Clone, Copy, Debug)]
-pub struct Receiver {
-    /// World space, metres.
-    pub position: Vec3,
-    /// Shading normal, unit, on the side that light is scattered from.
-    pub normal: Vec3,
-    /// 1 if only light on the side of the normal counts, -1 if light from either side does.
-    pub(super) side: f32,
-}
-
-side_by_side! {
-    /// A receiver in each lane.
-    pub(crate) struct ReceiverLanes of Receiver { position: Vec3, normal: Vec3, side: f32 }
-}
 
 /// What a light to aim at is chosen by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,44 +22,6 @@ pub enum LightChoice {
     TreeBesideBsdf,
     /// By its power alone, wherever the point is.
     Power,
-}
-
-impl Receiver {
-    /// In the place of a point that is not there.
-    pub const NOWHERE: Self = Self {
-        position: Vec3::ZERO,
-        normal: Vec3::Z,
-        side: 1.0,
-    };
-
-    /// A point that scatters what comes from the normal's side, or from both sides.
-    #[inline]
-    #[must_use]
-    pub fn new(position: Vec3, normal: Vec3, has_both_sides: bool) -> Self {
-        Self {
-            position,
-            normal,
-            side: if has_both_sides { -1.0 } else { 1.0 },
-        }
-    }
-
-    /// True if it scatters what comes from either side.
-    #[inline]
-    #[must_use]
-    pub fn has_both_sides(&self) -> bool {
-        self.side < 0.0
-    }
-}
-
-/// A light that has been chosen.
-#[derive(Clone, Copy, Debug)]
-pub struct Chosen {
-    /// Which one.
-    pub light: usize,
-    /// Its probability.
-    pub pmf: f32,
-    /// A number in [0, 1) to choose a part of it by.
-    pub part: f32,
 }
 
 /// The probabilities of lights, or of instances that have lights, which are numbered after them.

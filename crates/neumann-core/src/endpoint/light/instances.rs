@@ -14,7 +14,7 @@ use glam::{Affine3A, Mat3, Vec3};
 use super::area::{AreaLight, Emitter, Panel};
 use super::bounds::LightBounds;
 use super::build::build;
-use super::choice::{Chosen, Receiver};
+use super::receiver::{Chosen, Receiver};
 use super::tree::LightTree;
 use crate::sampling::discrete::AliasTable;
 

@@ -10,12 +10,12 @@ mod environment;
 mod instances;
 mod panels;
 mod punctual;
+mod receiver;
 mod texels;
 mod tree;
 
 pub use area::{AreaLight, Emitter};
-pub(crate) use choice::ReceiverLanes;
-pub use choice::{Chosen, LightChoice, Receiver};
+pub use choice::LightChoice;
 pub use emission::{
     Emission, EmissiveCorners, EmissiveMaterial, MAX_EXTENT, VaryingEmission, max_extent,
 };
@@ -23,6 +23,8 @@ pub use environment::EnvironmentLight;
 pub use instances::{LightInstance, MeshLights};
 pub(crate) use panels::PanelLanes;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
+pub(crate) use receiver::ReceiverLanes;
+pub use receiver::{Chosen, Receiver};
 pub use texels::TexelMap;
 
 use glam::Vec3;

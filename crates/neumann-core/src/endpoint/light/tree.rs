@@ -13,7 +13,7 @@
 use glam::Vec4;
 
 use super::bounds::LightBounds;
-use super::choice::{Chosen, Receiver};
+use super::receiver::{Chosen, Receiver};
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 4;

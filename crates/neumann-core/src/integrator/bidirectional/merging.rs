@@ -5,8 +5,8 @@ use glam::Vec3;
 use super::light::LightVertex;
 use super::{Partial, Vertex, Weighing};
 use crate::film::{Contribution, Strategy};
+use crate::pass::{Collected, Sink};
 use crate::photons::{HashGrid, Near, Photon, Placed};
-use crate::render::{Collected, Sink};
 
 /// A light vertex as merging needs it: one line of a processor's cache.
 #[derive(Clone, Copy, Debug)]

@@ -10,8 +10,8 @@ use crate::bsdf::{Bsdf, Lambert};
 use crate::film::{Contribution, Strategy};
 use crate::integrator::lanes::Unseen;
 use crate::math::lanes::{LANES, vectorized};
+use crate::pass::PixelPlace;
 use crate::radiometry::Rgb;
-use crate::render::PixelPlace;
 use crate::scene::Scene;
 use crate::transport::{SurfaceVertex, Tracer};
 

@@ -6,8 +6,8 @@
 
 use crate::bsdf::TransportMode;
 use crate::integrator::{Integrator, Method, ParameterValues, Sight};
+use crate::pass::{Cancelled, Pass};
 use crate::radiometry::Rgb;
-use crate::render::{Cancelled, Pass};
 use crate::scene::Scene;
 
 use super::{add_unlit, hit};

@@ -7,13 +7,12 @@
 mod adaptive;
 pub mod bsdf;
 pub mod mis;
-mod mis_lanes;
 pub mod naive;
 pub mod nee;
 
 use crate::film::{Contribution, Strategy};
+use crate::pass::Sink;
 use crate::radiometry::Rgb;
-use crate::render::Sink;
 use crate::transport::{SurfaceVertex, Tracer};
 
 /// Light found by running into an emitter after `bounce` scattering events.

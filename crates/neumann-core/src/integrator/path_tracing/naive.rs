@@ -12,8 +12,8 @@
 
 use crate::integrator::{Integrator, Method, ParameterValues, Sight};
 use crate::math::Frame;
+use crate::pass::{Cancelled, Pass};
 use crate::radiometry::Rgb;
-use crate::render::{Cancelled, Pass};
 use crate::sampling::warp;
 use crate::scene::Scene;
 use crate::transport::VertexSample;

@@ -7,8 +7,8 @@
 
 use crate::endpoint::LightChoice;
 use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
+use crate::pass::{Cancelled, Pass};
 use crate::radiometry::Rgb;
-use crate::render::{Cancelled, Pass};
 use crate::scene::Scene;
 use crate::transport::reflection::{aim_at_light, light_sample};
 

@@ -6,13 +6,10 @@ use std::cell::Cell;
 
 use rayon::prelude::*;
 
-use super::Pass;
+use super::sink::{PixelPlace, Sink, Yield};
+use super::{Cancelled, Pass, Pixels, Plan};
 use crate::film::{Contribution, FilmTile, LitLayers, Strategy, TileBounds};
 use crate::radiometry::Rgb;
-use crate::render::Cancelled;
-use crate::render::pixels::Pixels;
-use crate::render::replay::Plan;
-use crate::render::sink::{PixelPlace, Sink, Yield};
 use crate::sampling::TileNumbers;
 use crate::scene::Scene;
 use crate::transport::Tracer;

@@ -2,10 +2,21 @@
 
 use glam::Vec4;
 
-use super::{DEPTH_SLACK, ORIGIN_SLACK};
-use crate::accel::instances::Instance;
-use crate::accel::wide::{Leaf, WideTree};
+use super::instances::Instance;
+use super::wide::{Leaf, WideTree};
 use crate::math::Ray;
+
+/// Room for the rounding of three operations on either side of a box. What a ray has met is moved
+/// out as well: a triangle in a box right behind may be as near, and count.
+pub(super) const FAR_PADDING: f32 = 1.0 + 8.0 * f32::EPSILON;
+
+/// Slack of a distance, relative to how far away the corners of the triangle are along the axis
+/// that the ray runs along most: what the test rounds, with room for triangles fifty times as long
+/// as they are wide, or seen as small.
+pub(super) const DEPTH_SLACK: f32 = 1.0 / 16_384.0;
+/// Slack relative to the coordinates of the origin: what an origin on a surface may be off it, and
+/// surfaces in one plane off each other.
+const ORIGIN_SLACK: f32 = 1.0 / 1_048_576.0;
 
 /// A ray prepared for both tests.
 pub(in crate::accel) struct Prepared {

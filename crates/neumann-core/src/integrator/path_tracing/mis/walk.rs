@@ -1,116 +1,19 @@
-//! Path tracing with multiple importance sampling.
-//!
-//! The last one plus one idea: light is both aimed at and run into, and each way
-//! is weighed by how well it samples the direction, `w_i = p_i² / (p_1² + p_2²)`
-//! ([Veach 1997] 9.2.3.2). A sky of one radiance is not aimed at: the BSDF samples it
-//! as it counts. Where there are mirrors or glass, a diffuse surface sends them some of its paths
-//! ([`crate::transport::casters`]). Where such a sky is the only light, a path splits in two at its first surface: nearly all of the
-//! error is in what of the sky is seen from there. Long paths end by Russian roulette on their throughput.
-//!
-//! `Walk::step` is the method. `mis_lanes` takes sixteen paths through it side by side, which changes
-//! no bit.
+//! A path, step by step.
 
 use crate::accel::Hit;
 use crate::endpoint::LightChoice;
-use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
+use crate::integrator::path_tracing::bsdf::MODE;
+use crate::integrator::path_tracing::{add_unlit, connect, hit};
 use crate::math::Ray;
 use crate::math::lanes::side_by_side;
+use crate::pass::Sink;
 use crate::radiometry::Rgb;
-use crate::render::{Cancelled, Pass, Sink};
 use crate::sampling::{Sampler, roulette};
 use crate::scene::bodies::Media;
 use crate::scene::{Caster, Scene};
 use crate::transport::casters::Cones;
 use crate::transport::reflection::{Drawn, aim_at_light, light_sample};
 use crate::transport::{SurfaceVertex, Tracer, VertexSample};
-
-use super::adaptive::{ADAPTIVE, Adaptive};
-use super::bsdf::MODE;
-use super::mis_lanes;
-use super::nee::{LIGHTS, light_choice};
-use super::{add_unlit, connect, hit};
-
-/// The row of the registry.
-pub static METHOD: Method = Method {
-    id: "pt-mis",
-    title: "PT mis",
-    name: "Path tracing, multiple importance sampling",
-    about: "Lights are aimed at and run into, each way weighed by how well it samples the direction: \
-            small lights and sharp reflections both come out clean.",
-    blind_spots: "Lights without extent by way of a mirror or smooth glass: neither can be aimed at the other.",
-    sight: Sight::FULL,
-    bias: None,
-    has_techniques: false,
-    parameters: &[
-        Parameter {
-            name: "roulette",
-            title: "Russian roulette",
-            unit: "",
-            about: "End long paths by chance, in proportion to what they could still carry.",
-            kind: ParameterKind::Switch { default: true },
-        },
-        LIGHTS,
-        CASTERS,
-        ADAPTIVE,
-    ],
-    build: |values: &ParameterValues| {
-        let mis = Mis {
-            choice: match light_choice(values) {
-                LightChoice::Tree => LightChoice::TreeBesideBsdf,
-                choice => choice,
-            },
-            has_roulette: values.switch("roulette"),
-            has_casters: values.switch(CASTERS.name),
-        };
-        if values.switch(ADAPTIVE.name) {
-            Box::new(Adaptive::new(mis))
-        } else {
-            Box::new(mis)
-        }
-    },
-};
-
-/// Whether paths are sent to mirrors and glass.
-const CASTERS: Parameter = Parameter {
-    name: "casters",
-    title: "Aim at mirrors and glass",
-    unit: "",
-    about: "Diffuse surfaces send up to a quarter of their paths to mirrors and smooth glass, where caustics come from.",
-    kind: ParameterKind::Switch { default: true },
-};
-
-struct Mis {
-    choice: LightChoice,
-    has_roulette: bool,
-    has_casters: bool,
-}
-
-impl Integrator for Mis {
-    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        let camera = pass.camera();
-        let splits = Walk::splits_in(scene);
-        pass.split(if splits { N_SPLITS } else { 1 });
-        let walk = Walk {
-            scene,
-            max_bounces: pass.max_bounces(),
-            splits,
-            choice: self.choice,
-            has_roulette: self.has_roulette,
-            casters: if self.has_casters {
-                scene.casters()
-            } else {
-                &[]
-            },
-        };
-        pass.trace_pixels_together(scene, |pixels, tracer, sink| {
-            mis_lanes::trace(&walk, camera, pixels, tracer, sink);
-        })
-    }
-
-    fn traces_only_pixels(&self) -> bool {
-        true
-    }
-}
 
 /// How paths walk.
 pub(super) struct Walk<'a> {
@@ -139,7 +42,7 @@ pub(super) struct Carried {
 
 side_by_side! {
     /// What the paths of all lanes carry.
-    pub(super) struct CarriedLanes of Carried { throughput: Rgb, n_events: u32, drawn: Drawn }
+    pub(crate) struct CarriedLanes of Carried { throughput: Rgb, n_events: u32, drawn: Drawn }
 }
 
 /// A path on its way.

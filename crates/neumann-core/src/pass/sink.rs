@@ -6,7 +6,7 @@
 use glam::Vec2;
 use rayon::prelude::*;
 
-use super::replay::{Observer, Seen};
+use super::observer::{Observer, Seen};
 use crate::film::techniques::{Record, RecordShape};
 use crate::film::{Contribution, Frame, LitLayers, Slot, TILE, TILE_PIXELS, TileGrid, add_to_tile};
 use crate::radiometry::Rgb;

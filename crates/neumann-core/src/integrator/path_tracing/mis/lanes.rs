@@ -8,7 +8,7 @@ use crate::endpoint::light::PanelLanes;
 use crate::endpoint::{Camera, SurfacePoint};
 use crate::integrator::lanes::{DirectionNumbers, PathLanes, Unseen};
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
-use crate::render::{PixelPath, PixelPlace, Pixels, Sink, Splits};
+use crate::pass::{PixelPath, PixelPlace, Pixels, Sink, Splits};
 use crate::sampling::Sampler;
 use crate::scene::Caster;
 use crate::transport::Tracer;
@@ -16,9 +16,9 @@ use crate::transport::casters::ConeLanes;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
 use crate::transport::reflection::Aimed;
 
-use super::bsdf::MODE;
-use super::connect;
-use super::mis::{Carried, CarriedLanes, Path, Walk};
+use super::walk::{Carried, CarriedLanes, Path, Walk};
+use crate::integrator::path_tracing::bsdf::MODE;
+use crate::integrator::path_tracing::connect;
 
 /// Traces the paths of all pixels.
 pub(super) fn trace(

@@ -9,13 +9,13 @@ const N_NODES: usize = 256;
 
 /// The tiles whose camera rays may meet a surface.
 #[derive(Debug)]
-pub(super) struct Coverage {
+pub(crate) struct Coverage {
     is_covered: Vec<bool>,
 }
 
 impl Coverage {
     /// Covers every tile that the box of something in the scene reaches into.
-    pub(super) fn new(scene: &Scene, camera: &Camera, grid: TileGrid) -> Self {
+    pub(crate) fn new(scene: &Scene, camera: &Camera, grid: TileGrid) -> Self {
         let mut coverage = Self {
             is_covered: vec![false; grid.n_tiles()],
         };
@@ -37,7 +37,7 @@ impl Coverage {
 
     /// True if a camera ray through the tile may meet a surface.
     #[inline]
-    pub(super) fn is_covered(&self, tile: usize) -> bool {
+    pub(crate) fn is_covered(&self, tile: usize) -> bool {
         self.is_covered[tile]
     }
 }

@@ -5,19 +5,30 @@
 //! of their paths and added in that order at the end. Random numbers are keyed by (seed, iteration, path), so the result
 //! does not depend on which worker traced what.
 
+mod cancel;
+mod coverage;
+mod light_paths;
+mod observer;
+mod pixels;
+mod sample_counts;
+mod sink;
 mod tiles;
+
+pub use cancel::{CancelToken, Cancelled};
+pub(crate) use coverage::Coverage;
+pub use light_paths::{Collected, LightNumbers, LightPaths};
+pub use observer::{PathId, Replayed};
+pub(crate) use observer::{Plan, Seen};
+pub use pixels::{PixelPath, PixelSample, Pixels, Splits};
+pub use sample_counts::SampleCounts;
+pub use sink::{PixelPlace, Sink};
 
 use std::ops::Range;
 
 use glam::Vec2;
 use rayon::prelude::*;
 
-use super::coverage::Coverage;
-use super::light_paths::{Collected, LightNumbers, LightPaths};
-use super::pixels::{PixelSample, Pixels};
-use super::replay::{Plan, Seen};
-use super::sink::{Sink, SinkShape, Yield, add_splats};
-use super::{CancelToken, Cancelled, RenderSettings, SampleCounts};
+use self::sink::{SinkShape, Yield, add_splats};
 use crate::endpoint::Camera;
 use crate::film::techniques::TechniqueFilm;
 use crate::film::{Frame, LitLayers, NextFilm, PhotonReport};
@@ -32,6 +43,17 @@ const CHUNK: usize = 256;
 const ROUND: usize = 4096;
 /// and fewer while techniques are recorded.
 const RECORDING_ROUND: usize = 256;
+
+/// What the paths of a pass depend on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PassNumbers {
+    /// Terms with `k` up to and including this one are wanted.
+    pub(crate) max_bounces: u32,
+    /// Seed of all random numbers.
+    pub(crate) seed: u64,
+    /// Number of the iteration, from 0.
+    pub(crate) iteration: u32,
+}
 
 /// What an integrator works with during one iteration.
 pub struct Pass<'a> {
@@ -55,12 +77,11 @@ pub struct Pass<'a> {
 }
 
 impl<'a> Pass<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         (frame, film): (&'a mut Frame, Option<NextFilm<'a>>),
         camera: &'a Camera,
         coverage: &'a Coverage,
-        settings: &RenderSettings,
-        iteration: u32,
+        numbers: PassNumbers,
         cancel: &'a CancelToken,
         techniques: Option<&'a mut TechniqueFilm>,
     ) -> Self {
@@ -69,9 +90,9 @@ impl<'a> Pass<'a> {
             film,
             camera,
             coverage,
-            max_bounces: settings.max_bounces,
-            seed: settings.seed,
-            iteration,
+            max_bounces: numbers.max_bounces,
+            seed: numbers.seed,
+            iteration: numbers.iteration,
             cancel,
             techniques,
             samples: SampleCounts::Even(1),
@@ -83,23 +104,23 @@ impl<'a> Pass<'a> {
     }
 
     /// Lets paths walk one by one, not side by side.
-    pub(super) fn trace_alone(&mut self, is_alone: bool) {
+    pub(crate) fn trace_alone(&mut self, is_alone: bool) {
         self.is_alone = is_alone;
     }
 
     /// Looks at how light comes to some pixels, by paths that walk alone.
-    pub(super) fn observe(&mut self, plan: &Plan) {
+    pub(crate) fn observe(&mut self, plan: &Plan) {
         self.is_alone = true;
         self.plan = Some(plan.clone());
     }
 
     /// What was seen.
-    pub(super) fn into_seen(self) -> Seen {
+    pub(crate) fn into_seen(self) -> Seen {
         self.seen
     }
 
     /// True if no tile of the film is missing.
-    pub(super) fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         self.film.as_ref().is_none_or(NextFilm::is_whole)
     }
 

@@ -9,12 +9,15 @@ use std::time::Duration;
 
 use glam::Vec3;
 use neumann_core::accel::TreeQuality;
-use neumann_core::film::{Contribution, Film, Strategy};
-use neumann_core::integrator::{Integrator, METHODS, Method, ParameterValues, Sight, Value};
-use neumann_core::radiometry::Rgb;
-use neumann_core::render::{CancelToken, Cancelled, Job, Pass, RenderLoop, Renderer, StopRule};
+use neumann_core::film::Film;
+use neumann_core::integrator::{
+    Integrator, METHODS, Method, ParameterValues, PixelIntegrator, Shot, Sight, Value,
+};
+use neumann_core::pass::{PixelSink, Pixels};
+use neumann_core::render::{CancelToken, Cancelled, Job, RenderLoop, Renderer, StopRule};
 use neumann_core::scene::description::{MeshDescription, SceneDescription};
 use neumann_core::scene::{OpeningProgress, Scene};
+use neumann_core::transport::Tracer;
 use neumann_tests::renders::{Setup, pool, pool_of};
 use neumann_tests::room::room_with_spheres;
 use neumann_tests::scenes::{Stage, builtin, emitter, lambert, looking, rectangle};
@@ -120,13 +123,19 @@ const TRIP_AT: usize = 1000;
 /// A method that is cancelled in the middle of an iteration, as from another thread.
 struct Stumbling;
 
-impl Integrator for Stumbling {
-    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        pass.trace_pixels(scene, |_, _, _, _| {
+impl PixelIntegrator for Stumbling {
+    fn trace(
+        &self,
+        _: &Shot<'_>,
+        pixels: Pixels<'_>,
+        _: &mut Tracer<'_>,
+        sink: &mut PixelSink<'_>,
+    ) {
+        pixels.one_by_one(sink, |_, _, _| {
             if N_BEGUN.fetch_add(1, Ordering::Relaxed) == TRIP_AT {
                 TRIPWIRE.cancel();
             }
-        })
+        });
     }
 }
 
@@ -140,7 +149,7 @@ static STUMBLING: Method = Method {
     bias: None,
     has_techniques: false,
     parameters: &[],
-    build: |_: &ParameterValues| Box::new(Stumbling),
+    build: |_: &ParameterValues| Integrator::Pixels(Box::new(Stumbling)),
 };
 
 /// Each worker finishes at most the row of the tile that it is in.
@@ -155,41 +164,6 @@ fn cancelling_is_heeded_within_a_row() {
         n_late <= 16 * n_threads,
         "{n_late} paths after the cancellation"
     );
-}
-
-/// A method that says that it adds to its own pixels alone, and splats.
-struct Splatting;
-
-impl Integrator for Splatting {
-    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        pass.trace_pixels(scene, |raster, _, _, sink| {
-            let contribution = Contribution {
-                value: Rgb::WHITE,
-                mis_weight: 1.0,
-                bounce: 0,
-                strategy: Strategy::hit(2),
-            };
-            sink.splat(raster, contribution);
-        })
-    }
-
-    fn traces_only_pixels(&self) -> bool {
-        true
-    }
-}
-
-static SPLATTING: Method = Method {
-    id: "splatting",
-    build: |_: &ParameterValues| Box::new(Splatting),
-    ..STUMBLING
-};
-
-#[test]
-#[should_panic(expected = "must not splat")]
-fn who_says_that_it_adds_to_its_own_pixels_alone_must_not_splat() {
-    let _ = Setup::new(&builtin("cornell"), 16, 16)
-        .by(&SPLATTING)
-        .film(0, 1);
 }
 
 #[test]

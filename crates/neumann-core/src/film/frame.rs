@@ -300,7 +300,7 @@ impl Frame {
     }
 
     /// Forgets everything, for the next iteration.
-    pub(crate) fn forget(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.lit.fill(LitLayers::default());
         self.n_refused = 0;
         self.n_rays = 0;
@@ -326,7 +326,7 @@ mod tests {
             add_to_tile(values, &mut lit[tile], in_tile, Rgb::WHITE);
         };
         for layers in [&[0, 5, 64, 66][..], &[1, 5, 70], &[66], &[]] {
-            frame.forget();
+            frame.clear();
             for &layer in layers {
                 add(&mut frame, layer);
                 add(&mut frame, layer);

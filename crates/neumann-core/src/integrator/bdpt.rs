@@ -8,12 +8,13 @@
 //!
 //! Emitters seen directly are left to the camera (s = 0, t = 2).
 
-use crate::film::TILE_PIXELS;
 use crate::integrator::bidirectional::{
     CameraEnd, CameraRoom, Heuristic, LightEnd, LightPath, ToLens, Weighing,
 };
-use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
-use crate::pass::{Cancelled, Collected, Pass, PixelPath};
+use crate::integrator::{
+    Integrator, Method, Parameter, ParameterKind, ParameterValues, PassIntegrator, Sight,
+};
+use crate::pass::{Cancelled, Collected, Pass, PixelPath, Pixels};
 use crate::scene::Scene;
 
 use super::light_tracing::ROULETTE;
@@ -32,10 +33,10 @@ pub static METHOD: Method = Method {
     has_techniques: true,
     parameters: &[HEURISTIC, ROULETTE],
     build: |values: &ParameterValues| {
-        Box::new(Bidirectional {
+        Integrator::Passes(Box::new(Bidirectional {
             heuristic: heuristic(values),
             has_roulette: values.switch(ROULETTE.name),
-        })
+        }))
     },
 };
 
@@ -64,7 +65,7 @@ struct Bidirectional {
     has_roulette: bool,
 }
 
-impl Integrator for Bidirectional {
+impl PassIntegrator for Bidirectional {
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
         // One light path for each camera path.
         let n_paths = pass.n_pixels();
@@ -93,7 +94,7 @@ impl Integrator for Bidirectional {
         let room = || (CameraRoom::new(scene), Vec::new(), Collected::default());
         pass.trace_pixels_together_with(scene, room, |room, pixels, tracer, sink| {
             let (room, kept, paths) = room;
-            // The light paths of a tile, each vertex of them aimed at the lens.
+            // As many light paths, each vertex of them aimed at the lens.
             let light_path = |(number, index): (usize, usize)| {
                 let path = (index + shift) % n_paths;
                 LightPath {
@@ -107,11 +108,11 @@ impl Integrator for Bidirectional {
             light.trace(starts, tracer, sink, |number, vertex| {
                 kept.push((number, vertex));
             });
-            paths.sort(kept, TILE_PIXELS);
+            paths.sort(kept, Pixels::MOST);
             // Its camera paths, each joined with one of them.
             let light_path = |pixel: &PixelPath<'_>| {
                 let path = (pixel.sample.index + shift) % n_paths;
-                (path as u32, paths.of_path(pixel.place.in_tile()))
+                (path as u32, paths.of_path(pixel.number()))
             };
             camera.trace(pixels, light_path, room, tracer, sink);
         })

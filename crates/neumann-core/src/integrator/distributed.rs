@@ -6,14 +6,15 @@
 //! diffuse surfaces hand nothing on to each other.
 
 use super::path_tracing::{add_unlit, connect, hit};
-use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
+use super::{
+    Integrator, Method, Parameter, ParameterKind, ParameterValues, PixelIntegrator, Shot, Sight,
+};
 use crate::bsdf::TransportMode;
 use crate::endpoint::LightChoice;
 use crate::math::Ray;
-use crate::pass::{Cancelled, Pass, Sink};
+use crate::pass::{PixelSink, Pixels};
 use crate::radiometry::Rgb;
 use crate::sampling::Sampler;
-use crate::scene::Scene;
 use crate::scene::bodies::Media;
 use crate::transport::Tracer;
 use crate::transport::reflection::{aim_at_light, light_sample};
@@ -68,11 +69,11 @@ pub(super) static METHOD: Method = Method {
     ],
     build: |values: &ParameterValues| {
         let count = |name| values.integer(name).max(1) as u32;
-        Box::new(Distributed {
+        Integrator::Pixels(Box::new(Distributed {
             n_lens: count("lens-samples"),
             n_light: count("light-samples"),
             n_glossy: count("glossy-samples"),
-        })
+        }))
     },
 };
 
@@ -110,12 +111,21 @@ impl Events<'_> {
     }
 }
 
-impl Integrator for Distributed {
-    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        let max_bounces = pass.max_bounces();
-        let camera = pass.camera();
+impl PixelIntegrator for Distributed {
+    fn trace(
+        &self,
+        shot: &Shot<'_>,
+        pixels: Pixels<'_>,
+        tracer: &mut Tracer<'_>,
+        sink: &mut PixelSink<'_>,
+    ) {
+        let Shot {
+            camera,
+            max_bounces,
+            ..
+        } = *shot;
         let this = *self;
-        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
+        pixels.one_by_one(sink, |sample, sampler, sink| {
             let mut events = Events { sampler, n: 0 };
             for i in 0..this.n_lens {
                 // The position in the pixel is drawn once, the lens anew for each ray.
@@ -123,7 +133,7 @@ impl Integrator for Distributed {
                     0 => sampler.start().lens,
                     _ => sampler.bounce(events.next(1)).lens,
                 };
-                let ray = camera.ray(raster, lens).ray;
+                let ray = camera.ray(sample.raster, lens).ray;
                 let branch = Branch {
                     ray,
                     throughput: Rgb::splat(1.0 / this.n_lens as f32),
@@ -131,13 +141,10 @@ impl Integrator for Distributed {
                     bounce: 0,
                     is_specular: true,
                 };
+                tracer.splits(this.n_lens);
                 this.follow(branch, max_bounces, tracer, &mut events, sink);
             }
-        })
-    }
-
-    fn traces_only_pixels(&self) -> bool {
-        true
+        });
     }
 }
 
@@ -148,7 +155,7 @@ impl Distributed {
         max_bounces: u32,
         tracer: &mut Tracer<'_>,
         events: &mut Events<'_>,
-        sink: &mut Sink<'_>,
+        sink: &mut PixelSink<'_>,
     ) {
         let Branch {
             ray,

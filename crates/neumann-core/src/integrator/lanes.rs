@@ -4,7 +4,7 @@
 //! when it ends. Where a path meets a plain diffuse surface, as most do in most scenes, it makes
 //! its step in vectors, together with the other lanes ([`crate::transport::diffuse`]); from
 //! anywhere else, by itself. Either way the step is made of the same functions and has the same
-//! bits. A sink may ask for paths one by one ([`Sink::is_alone`]): the same with one lane, which
+//! bits. A sink may ask for paths one by one ([`PixelSink::is_alone`]): the same with one lane, which
 //! makes every step by itself.
 
 use glam::Vec2;
@@ -12,7 +12,7 @@ use glam::Vec2;
 use crate::accel::{HitLanes, RayLanes};
 use crate::math::Ray;
 use crate::math::lanes::{LANES, Lanes, lanes_of};
-use crate::pass::Sink;
+use crate::pass::PixelSink;
 use crate::radiometry::{Rgb, RgbLanes};
 use crate::sampling::{BounceNumbers, Sampler};
 use crate::scene::Scene;
@@ -35,7 +35,7 @@ pub(super) struct PathLanes<'t> {
 
 impl PathLanes<'_> {
     /// No path yet.
-    pub(super) fn new(sink: &Sink<'_>) -> Self {
+    pub(super) fn new(sink: &PixelSink<'_>) -> Self {
         Self {
             rays: RayLanes::default(),
             bounces: Lanes::default(),

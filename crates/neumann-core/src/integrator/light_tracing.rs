@@ -6,7 +6,7 @@
 //! bidirectional path tracing by itself: one technique, of weight 1.
 
 use super::bidirectional::{LightEnd, ToLens, Weighing, numbered};
-use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
+use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, PassIntegrator, Sight};
 use crate::pass::{Cancelled, Pass};
 use crate::scene::Scene;
 
@@ -26,9 +26,9 @@ pub static METHOD: Method = Method {
     has_techniques: false,
     parameters: &[ROULETTE],
     build: |values: &ParameterValues| {
-        Box::new(LightTracing {
+        Integrator::Passes(Box::new(LightTracing {
             has_roulette: values.switch(ROULETTE.name),
-        })
+        }))
     },
 };
 
@@ -45,7 +45,7 @@ struct LightTracing {
     has_roulette: bool,
 }
 
-impl Integrator for LightTracing {
+impl PassIntegrator for LightTracing {
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
         // As many paths as pixels, so that an iteration is as much work as that of a path tracer.
         let n_paths = pass.n_pixels();

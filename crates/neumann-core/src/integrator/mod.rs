@@ -20,27 +20,86 @@ pub use parameter::{
 };
 pub use radius::Radius;
 
-use crate::pass::{Cancelled, Pass};
+use crate::endpoint::Camera;
+use crate::pass::{Cancelled, Pass, PixelSink, Pixels};
 use crate::scene::Scene;
+use crate::transport::Tracer;
 
-/// Turns a scene into contributions, one complete estimate of the image at a time.
-pub trait Integrator: Send {
+/// A method as it renders; the two kinds differ in where their paths add.
+pub enum Integrator {
+    /// Each path adds to the pixel that it starts from, and to no other: the value of a pixel is
+    /// known as soon as its paths have been traced.
+    Pixels(Box<dyn PixelIntegrator>),
+    /// Passes over the picture, from camera or lights, in whatever order.
+    Passes(Box<dyn PassIntegrator>),
+}
+
+/// What the paths of pixels go through.
+#[derive(Clone, Copy, Debug)]
+pub struct Shot<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The camera.
+    pub camera: &'a Camera,
+    /// Terms with `k` up to and including this one are wanted.
+    pub max_bounces: u32,
+}
+
+/// A method whose paths add to the pixel that they start from.
+pub trait PixelIntegrator: Send + Sync {
+    /// Traces the paths of some pixels, in whatever order; tells the sink which pixel a
+    /// contribution belongs to ([`PixelSink::start_pixel`]).
+    ///
+    /// A camera ray that meets nothing must bring the radiance from there, with weight 1: where
+    /// that is the same from everywhere, and nothing stands before it, no path is traced.
+    fn trace(
+        &self,
+        shot: &Shot<'_>,
+        pixels: Pixels<'_>,
+        tracer: &mut Tracer<'_>,
+        sink: &mut PixelSink<'_>,
+    );
+
+    /// Paths that one may split into at most ([`PixelPath::splits`](crate::pass::PixelPath)).
+    fn n_splits(&self, _scene: &Scene) -> u8 {
+        1
+    }
+
+    /// True if more paths are to go where the picture is noisy.
+    fn is_adaptive(&self) -> bool {
+        false
+    }
+}
+
+/// A method that makes passes over the picture.
+pub trait PassIntegrator: Send {
     /// Adds one complete estimate of the image, or stops early when cancelled.
     ///
     /// # Errors
     /// [`Cancelled`] when the pass was told to stop.
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled>;
 
-    /// True if the next iteration is one call that traces the pixels, whose paths add to no other pixel than their own: what a tile comes to
-    /// is known then as soon as it has been traced, and goes into the film while it is at hand. The pass leaves the frame black.
-    fn traces_only_pixels(&self) -> bool {
-        false
-    }
-
     /// True if the error of the mean shows in how iterations differ. It does not where they have
     /// random numbers in common.
     fn shows_its_error(&self) -> bool {
         true
+    }
+}
+
+impl Integrator {
+    /// [`PassIntegrator::shows_its_error`]; always true of paths of pixels.
+    #[must_use]
+    pub fn shows_its_error(&self) -> bool {
+        match self {
+            Self::Pixels(_) => true,
+            Self::Passes(passes) => passes.shows_its_error(),
+        }
+    }
+
+    /// True if each path adds to the pixel that it starts from.
+    #[must_use]
+    pub fn adds_to_own_pixels(&self) -> bool {
+        matches!(self, Self::Pixels(_))
     }
 }
 
@@ -65,7 +124,7 @@ pub struct Method {
     /// Its parameters.
     pub parameters: &'static [Parameter],
     /// Makes an integrator with the given parameter values.
-    pub build: fn(&ParameterValues) -> Box<dyn Integrator>,
+    pub build: fn(&ParameterValues) -> Integrator,
 }
 
 /// What a method can see.

@@ -13,10 +13,10 @@ use crate::accel::Hit;
 use crate::endpoint::{Aim, LightChoice};
 use crate::film::{Contribution, PhotonReport, Strategy};
 use crate::integrator::{
-    Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
+    Integrator, Method, Parameter, ParameterKind, ParameterValues, PassIntegrator, Radius, Sight,
 };
 use crate::math::Ray;
-use crate::pass::{Cancelled, Collected, Pass, Sink};
+use crate::pass::{Cancelled, Collected, Pass, PixelSink};
 use crate::photons::{HashGrid, Kernel, Near, Photon};
 use crate::radiometry::Rgb;
 use crate::sampling::Sampler;
@@ -81,12 +81,12 @@ pub static METHOD: Method = Method {
         SHOW,
     ],
     build: |values: &ParameterValues| {
-        Box::new(PhotonMapping {
+        Integrator::Passes(Box::new(PhotonMapping {
             is_kept: values.choice("map") == 0,
             n_nearest: values.integer("nearest") as usize,
             n_gather: values.integer("gather") as u32,
             ..PhotonMapping::of(values)
-        })
+        }))
     },
 };
 
@@ -109,7 +109,7 @@ pub static PROGRESSIVE: Method = Method {
         ROUGHNESS,
         SHOW,
     ],
-    build: |values: &ParameterValues| Box::new(PhotonMapping::of(values)),
+    build: |values: &ParameterValues| Integrator::Passes(Box::new(PhotonMapping::of(values))),
 };
 
 const BLIND_SPOTS: &str =
@@ -219,7 +219,7 @@ impl PhotonMapping {
     }
 }
 
-impl Integrator for PhotonMapping {
+impl PassIntegrator for PhotonMapping {
     fn shows_its_error(&self) -> bool {
         !self.is_kept
     }
@@ -357,7 +357,7 @@ impl Eye<'_> {
         n_gather: u32,
         tracer: &mut Tracer<'_>,
         sampler: &Sampler<'_>,
-        sink: &mut Sink<'_>,
+        sink: &mut PixelSink<'_>,
         near: &mut Vec<Near>,
     ) {
         let lights = self.scene.lights();
@@ -425,7 +425,7 @@ impl Eye<'_> {
         path: &Segment,
         tracer: &mut Tracer<'_>,
         sampler: &Sampler<'_>,
-        sink: &mut Sink<'_>,
+        sink: &mut PixelSink<'_>,
         near: &mut Vec<Near>,
     ) {
         let n = self.mapping.n_gather;
@@ -453,7 +453,7 @@ impl Eye<'_> {
         &self,
         vertex: &SurfaceVertex<'_>,
         path: &Segment,
-        sink: &mut Sink<'_>,
+        sink: &mut PixelSink<'_>,
         near: &mut Vec<Near>,
     ) {
         let map = self.map;

@@ -4,10 +4,12 @@
 //! shows what shadows are worth; held against L, what all further bounces are.
 
 use super::path_tracing::{add_unlit, connect, hit};
-use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
+use super::{
+    Integrator, Method, Parameter, ParameterKind, ParameterValues, PixelIntegrator, Shot, Sight,
+};
 use crate::endpoint::LightChoice;
-use crate::pass::{Cancelled, Pass};
-use crate::scene::Scene;
+use crate::pass::{PixelSink, Pixels};
+use crate::transport::Tracer;
 use crate::transport::reflection::{aim_unshadowed, light_sample};
 
 /// The row of the registry.
@@ -37,9 +39,9 @@ pub(super) static METHOD: Method = Method {
         },
     }],
     build: |values: &ParameterValues| {
-        Box::new(Shade {
+        Integrator::Pixels(Box::new(Shade {
             n_light_samples: values.integer("light-samples").max(1) as u32,
-        })
+        }))
     },
 };
 
@@ -47,13 +49,22 @@ struct Shade {
     n_light_samples: u32,
 }
 
-impl Integrator for Shade {
-    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        let max_bounces = pass.max_bounces();
-        let camera = pass.camera();
+impl PixelIntegrator for Shade {
+    fn trace(
+        &self,
+        shot: &Shot<'_>,
+        pixels: Pixels<'_>,
+        tracer: &mut Tracer<'_>,
+        sink: &mut PixelSink<'_>,
+    ) {
+        let Shot {
+            scene,
+            camera,
+            max_bounces,
+        } = *shot;
         let n = self.n_light_samples;
-        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
-            let ray = camera.ray(raster, sampler.start().lens).ray;
+        pixels.one_by_one(sink, |sample, sampler, sink| {
+            let ray = camera.ray(sample.raster, sampler.start().lens).ray;
             tracer.begin_at_camera(&ray);
             let Some(vertex) = tracer.vertex(&ray) else {
                 let radiance = scene.lights().environment_radiance(ray.direction());
@@ -71,10 +82,6 @@ impl Integrator for Shade {
                     sink.add(connect(1, aimed.value, 1.0 / n as f32));
                 }
             }
-        })
-    }
-
-    fn traces_only_pixels(&self) -> bool {
-        true
+        });
     }
 }

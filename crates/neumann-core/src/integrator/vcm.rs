@@ -14,7 +14,7 @@
 
 use crate::film::PhotonReport;
 use crate::integrator::{
-    Integrator, Method, Parameter, ParameterKind, ParameterValues, Radius, Sight,
+    Integrator, Method, Parameter, ParameterKind, ParameterValues, PassIntegrator, Radius, Sight,
 };
 use crate::pass::{Cancelled, Collected, Pass, PixelPath};
 use crate::photons::HashGrid;
@@ -61,7 +61,7 @@ pub static METHOD: Method = Method {
         ROULETTE,
     ],
     build: |values: &ParameterValues| {
-        Box::new(Vcm {
+        Integrator::Passes(Box::new(Vcm {
             radius: Radius::of(values),
             has_connections: values.switch("connect"),
             has_merges: values.switch("merge"),
@@ -70,7 +70,7 @@ pub static METHOD: Method = Method {
             n_light_paths: None,
             paths: Collected::default(),
             grid: HashGrid::default(),
-        })
+        }))
     },
 };
 
@@ -92,7 +92,7 @@ const MEMORY: usize = 1 << 30;
 /// Paths whose lengths are looked at to know how many fit.
 const PILOT: usize = 4096;
 
-impl Integrator for Vcm {
+impl PassIntegrator for Vcm {
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
         let max_bounces = pass.max_bounces();
         let camera = pass.camera();

@@ -21,11 +21,10 @@ pub use observer::{PathId, Replayed};
 pub(crate) use observer::{Plan, Seen};
 pub use pixels::{PixelPath, PixelSample, Pixels, Splits};
 pub use sample_counts::SampleCounts;
-pub use sink::{PixelPlace, Sink};
+pub use sink::{PixelPlace, PixelSink, Sink};
 
 use std::ops::Range;
 
-use glam::Vec2;
 use rayon::prelude::*;
 
 use self::sink::{SinkShape, Yield, add_splats};
@@ -196,11 +195,11 @@ impl<'a> Pass<'a> {
         self.n_splits = n_splits;
     }
 
-    /// Runs another iteration, to see what it is like; [`Self::forget`] it afterwards.
+    /// Runs another iteration, to see what it is like; [`Self::clear`] it afterwards.
     ///
     /// # Errors
     /// Those of `run`.
-    pub fn rehearse(
+    pub fn measure(
         &mut self,
         iteration: u32,
         run: impl FnOnce(&mut Self) -> Result<(), Cancelled>,
@@ -216,8 +215,8 @@ impl<'a> Pass<'a> {
     }
 
     /// Makes the frame black again.
-    pub fn forget(&mut self) {
-        self.frame.forget();
+    pub fn clear(&mut self) {
+        self.frame.clear();
     }
 
     /// Tells what the iteration's photons were like, for whoever looks at the frame.
@@ -225,31 +224,28 @@ impl<'a> Pass<'a> {
         self.frame.photons = Some(photons);
     }
 
-    /// Runs `path` for each pixel, once unless [`Self::sample`] says otherwise: its position on the raster (drawn uniformly from the
-    /// pixel), a tracer, the path's random numbers, and the sink for its contributions.
+    /// Runs `paths` for each tile, to trace the paths of its pixels, once unless [`Self::sample`] says
+    /// otherwise, in whatever order; they add to their own pixels alone.
     ///
-    /// `path` must give a camera ray that meets nothing the radiance from there, with weight 1: where that is the same from
-    /// everywhere, and nothing stands before it, no path is run.
+    /// A camera ray that meets nothing must bring the radiance from there, with weight 1: where that
+    /// is the same from everywhere, and nothing stands before it, no path is run.
     ///
     /// # Errors
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
-    pub fn trace_pixels<F>(&mut self, scene: &Scene, path: F) -> Result<(), Cancelled>
+    pub fn trace_own_pixels<F>(&mut self, scene: &Scene, paths: F) -> Result<(), Cancelled>
     where
-        F: Fn(Vec2, &mut Tracer<'_>, &Sampler<'_>, &mut Sink<'_>) + Sync,
+        F: for<'t> Fn(Pixels<'t>, &mut Tracer<'_>, &mut PixelSink<'_>) + Sync,
     {
         self.trace_tiles(
             scene,
             || (),
-            |(), pixels, tracer, sink| {
-                pixels.one_by_one(sink, |sample, sampler, sink| {
-                    path(sample.raster, tracer, sampler, sink);
-                });
-            },
+            |(), pixels, tracer, sink| paths(pixels, tracer, sink),
             scene.lights().uniform_environment(),
         )
     }
 
-    /// Runs `path` for each pixel of all, as [`Self::trace_pixels`] does, with room that each task makes once and every path of it may use.
+    /// Runs `path` for each pixel: its place on the raster, a tracer, the path's random numbers, and
+    /// the sink; with scratch memory that each task makes once and every path of it may use.
     ///
     /// # Errors
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
@@ -261,7 +257,7 @@ impl<'a> Pass<'a> {
     ) -> Result<(), Cancelled>
     where
         M: Fn() -> R + Sync + Send,
-        F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &Sampler<'_>, &mut Sink<'_>) + Sync,
+        F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &Sampler<'_>, &mut PixelSink<'_>) + Sync,
     {
         self.trace_tiles(
             scene,
@@ -275,25 +271,8 @@ impl<'a> Pass<'a> {
         )
     }
 
-    /// Runs `paths` for each tile, to trace the paths of all of its pixels, in whatever order it likes. It
-    /// takes them from the pixels that it is handed, and tells the sink which pixel a contribution belongs to
-    /// ([`Sink::start_pixel`]). For the rest as [`Self::trace_pixels`].
-    ///
-    /// # Errors
-    /// [`Cancelled`] when the token was; the frame is then worth nothing.
-    pub fn trace_pixels_together<F>(&mut self, scene: &Scene, paths: F) -> Result<(), Cancelled>
-    where
-        F: for<'t> Fn(Pixels<'t>, &mut Tracer<'_>, &mut Sink<'_>) + Sync,
-    {
-        self.trace_tiles(
-            scene,
-            || (),
-            |(), pixels, tracer, sink| paths(pixels, tracer, sink),
-            scene.lights().uniform_environment(),
-        )
-    }
-
-    /// The same with room that each task makes once and every tile of it may use; the paths of all tiles are run.
+    /// Runs `paths` for each tile, to trace the paths of all of its pixels, in whatever order, with
+    /// scratch memory that each task makes once and every tile of it may use.
     ///
     /// # Errors
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
@@ -428,7 +407,8 @@ impl<'a> Pass<'a> {
                     let (trail, observer) = plan.as_ref().map(Plan::observer).unzip();
                     let mut tracer = Tracer::new(scene).observed(trail);
                     let mut lit = LitLayers::default();
-                    let mut sink = Sink::new(&mut [], &mut lit, shape).observed(observer);
+                    let mut sink =
+                        Sink::new(PixelSink::new(&mut [], &mut lit, shape).observed(observer));
                     let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(n_paths);
                     let part = paths(range, &mut tracer, &mut sink);
                     (sink.into_yield(tracer.n_rays()), part)
@@ -461,10 +441,6 @@ impl<'a> Pass<'a> {
         if self.cancel.is_cancelled() {
             return Err(Cancelled);
         }
-        assert!(
-            self.film.is_none() || yields.iter().all(Yield::has_no_splats),
-            "who says that it adds to pixels of its paths alone must not splat"
-        );
         add_splats(self.frame, &yields);
         for part in yields {
             if let Some(techniques) = &mut self.techniques {

@@ -5,8 +5,8 @@ use std::collections::HashSet;
 use glam::Vec2;
 
 use super::CancelToken;
-use super::sink::{PixelPlace, Sink};
-use crate::film::TileBounds;
+use super::sink::{PixelPlace, PixelSink};
+use crate::film::{TILE_PIXELS, TileBounds};
 use crate::sampling::{Sampler, TileNumbers};
 
 /// One path's place on the film.
@@ -29,6 +29,15 @@ pub struct PixelPath<'t> {
     pub place: PixelPlace,
     /// What it may split into.
     pub splits: Splits<'t>,
+}
+
+impl PixelPath<'_> {
+    /// The number of its pixel among those that are handed over at once.
+    #[inline]
+    #[must_use]
+    pub fn number(&self) -> usize {
+        self.place.in_tile()
+    }
 }
 
 /// The random numbers of the paths that a path may split into: they have its numbers up to its first scattering event, and from
@@ -98,7 +107,10 @@ impl<'t> Pixels<'t> {
         Self { only, ..self }
     }
 
-    /// Number in the tile, and `y * width + x` in the image, of every pixel, once.
+    /// The most pixels that are handed over at once.
+    pub const MOST: usize = TILE_PIXELS;
+
+    /// Number among those that are handed over, and `y * width + x` in the image, of every pixel, once.
     pub fn indices(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
         let (TileBounds { start, end }, width) = (self.bounds, self.width);
         (start[1]..end[1]).flat_map(move |y| {
@@ -109,10 +121,10 @@ impl<'t> Pixels<'t> {
 
     /// Runs `path` for each, one after the other.
     #[inline]
-    pub(super) fn one_by_one(
+    pub fn one_by_one(
         self,
-        sink: &mut Sink<'_>,
-        mut path: impl FnMut(PixelSample, &Sampler<'_>, &mut Sink<'_>),
+        sink: &mut PixelSink<'_>,
+        mut path: impl FnMut(PixelSample, &Sampler<'_>, &mut PixelSink<'_>),
     ) {
         for next in self {
             sink.start_pixel(next.place);

@@ -3,6 +3,8 @@
 //! What belongs to a path's own pixel goes to its tile at once. The rest, splats, wait until all tasks are done, and are
 //! then added by bands of tiles, side by side, in the order of the paths: a sum depends on no thread.
 
+use std::ops::{Deref, DerefMut};
+
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -14,15 +16,21 @@ use crate::radiometry::Rgb;
 /// Bands that splats are sorted into, at most.
 const MAX_BANDS: usize = 64;
 
-/// Where a path leaves its contributions.
+/// Where a path leaves its contributions: to its own pixel, as a [`PixelSink`] takes them, and to any
+/// other.
 pub struct Sink<'a> {
+    own: PixelSink<'a>,
+    splats: Vec<Splat>,
+}
+
+/// Where a path leaves its contributions to its own pixel.
+pub struct PixelSink<'a> {
     /// `tile[layer * TILE_PIXELS + pixel_in_tile]`; empty where paths belong to no pixel.
     tile: &'a mut [Rgb],
     lit: &'a mut LitLayers,
     shape: SinkShape,
     /// What each path counts: one over their number.
     share: f32,
-    splats: Vec<Splat>,
     n_refused: u64,
     /// The pixel of the film that the path belongs to.
     pixel: PixelPlace,
@@ -118,14 +126,13 @@ impl SinkShape {
     }
 }
 
-impl<'a> Sink<'a> {
+impl<'a> PixelSink<'a> {
     pub(super) fn new(tile: &'a mut [Rgb], lit: &'a mut LitLayers, shape: SinkShape) -> Self {
         Self {
             tile,
             lit,
             shape,
             share: 1.0,
-            splats: Vec::new(),
             n_refused: 0,
             pixel: PixelPlace::default(),
             records: Vec::new(),
@@ -186,16 +193,6 @@ impl<'a> Sink<'a> {
         self.pixel
     }
 
-    pub(super) fn into_yield(self, n_rays: u64) -> Yield {
-        Yield {
-            splats: SortedSplats::new(&self.splats, self.shape.grid),
-            records: self.records,
-            n_refused: self.n_refused,
-            n_rays,
-            seen: self.observer.map(Observer::into_seen),
-        }
-    }
-
     /// Keeps a contribution apart by its technique, if that is asked for.
     #[inline]
     fn record(&mut self, pixel: (u32, u32), contribution: &Contribution) {
@@ -233,6 +230,42 @@ impl<'a> Sink<'a> {
         self.start_pixel(place);
         self.add(contribution);
     }
+}
+
+impl<'a> Deref for Sink<'a> {
+    type Target = PixelSink<'a>;
+
+    #[inline]
+    fn deref(&self) -> &PixelSink<'a> {
+        &self.own
+    }
+}
+
+impl<'a> DerefMut for Sink<'a> {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut PixelSink<'a> {
+        &mut self.own
+    }
+}
+
+impl<'a> Sink<'a> {
+    pub(super) fn new(own: PixelSink<'a>) -> Self {
+        Self {
+            own,
+            splats: Vec::new(),
+        }
+    }
+
+    pub(super) fn into_yield(self, n_rays: u64) -> Yield {
+        let own = self.own;
+        Yield {
+            splats: SortedSplats::new(&self.splats, own.shape.grid),
+            records: own.records,
+            n_refused: own.n_refused,
+            n_rays,
+            seen: own.observer.map(Observer::into_seen),
+        }
+    }
 
     /// Adds to the pixel that `raster` falls in, if any; raster (0, 0) is the top left corner of pixel (0, 0).
     #[inline]
@@ -242,7 +275,7 @@ impl<'a> Sink<'a> {
             self.n_refused += 1;
             return;
         }
-        let shape = &self.shape;
+        let shape = self.shape;
         let is_inside = raster.x >= 0.0
             && raster.y >= 0.0
             && raster.x < shape.width as f32
@@ -254,8 +287,8 @@ impl<'a> Sink<'a> {
         let layer = (contribution.bounce as usize).min(shape.n_layers);
         let slot = shape.grid.slot(layer, x as usize, y as usize);
         self.record((x, y), &contribution);
-        if let Some(observer) = &mut self.observer {
-            observer.splat([x, y], contribution, self.share);
+        if let Some(observer) = &mut self.own.observer {
+            observer.splat([x, y], contribution, self.own.share);
         }
         self.splats.push(Splat { slot, value });
     }

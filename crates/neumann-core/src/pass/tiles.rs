@@ -6,7 +6,7 @@ use std::cell::Cell;
 
 use rayon::prelude::*;
 
-use super::sink::{PixelPlace, Sink, Yield};
+use super::sink::{PixelPlace, PixelSink, Sink, Yield};
 use super::{Cancelled, Pass, Pixels, Plan};
 use crate::film::{Contribution, FilmTile, LitLayers, Strategy, TileBounds};
 use crate::radiometry::Rgb;
@@ -47,10 +47,10 @@ impl Pass<'_> {
         let shape = self.sink_shape();
         let plan = self.plan.clone();
         let background = background.filter(|_| plan.is_none());
-        let trace = |room: &mut R, number: usize, sink: Sink<'_>| {
+        let trace = |room: &mut R, number: usize, own: PixelSink<'_>| {
             let (trail, observer) = plan.as_ref().map(Plan::observer).unzip();
             let mut tracer = Tracer::new(scene).observed(trail);
-            let mut sink = sink.observed(observer);
+            let mut sink = Sink::new(own.observed(observer));
             let bounds = grid.bounds(number);
             if let Some(radiance) = background
                 && !coverage.is_covered(number)
@@ -91,14 +91,14 @@ impl Pass<'_> {
                     let number = round.start + i;
                     match target {
                         Target::Frame(tile, lit) => {
-                            trace(room, number, Sink::new(tile, lit, shape))
+                            trace(room, number, PixelSink::new(tile, lit, shape))
                         }
                         Target::Film(tile) => {
                             // In memory that stays in the cache.
                             let mut values = VALUES_OF_TILE.take();
                             values.resize(per_tile, Rgb::BLACK);
                             let mut lit = LitLayers::default();
-                            let sink = Sink::new(&mut values, &mut lit, shape);
+                            let sink = PixelSink::new(&mut values, &mut lit, shape);
                             let part = trace(room, number, sink);
                             tile.take(&values, lit);
                             VALUES_OF_TILE.set(values);
@@ -120,7 +120,7 @@ impl Pass<'_> {
 }
 
 /// Gives every pixel of a tile what comes from infinitely far away.
-fn fill(TileBounds { start, end }: TileBounds, radiance: Rgb, sink: &mut Sink<'_>) {
+fn fill(TileBounds { start, end }: TileBounds, radiance: Rgb, sink: &mut PixelSink<'_>) {
     if radiance.is_black() {
         return;
     }

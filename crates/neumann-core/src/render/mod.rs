@@ -4,6 +4,7 @@
 //! [`Renderer`] strings iterations together for a command; [`RenderLoop`]
 //! does so in the background for a window.
 
+mod adaptive;
 mod behind_backs;
 mod iteration_times;
 mod own_light;

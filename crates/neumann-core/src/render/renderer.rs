@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use super::adaptive::Adaptive;
 use super::{RenderSettings, WorkerPool};
 use crate::endpoint::Camera;
 use crate::film::{Film, Frame, NextFilm, PhotonReport, TechniqueFilm};
-use crate::integrator::Integrator;
+use crate::integrator::{Integrator, PixelIntegrator, Shot};
 use crate::pass::{CancelToken, Cancelled, Coverage, Pass, Plan, Seen};
 use crate::scene::Scene;
 
@@ -18,7 +19,9 @@ pub struct Renderer {
     settings: RenderSettings,
     camera: Camera,
     pool: WorkerPool,
-    integrator: Box<dyn Integrator>,
+    integrator: Integrator,
+    /// Where samples go, if that is asked for.
+    adaptive: Option<Adaptive>,
     next_iteration: u32,
     frame: Frame,
     /// What the film before the last one was, to be written again.
@@ -39,10 +42,12 @@ impl Renderer {
     ) -> Self {
         let camera = Camera::new(&settings.camera, settings.width, settings.height);
         let frame = Frame::new(settings.width, settings.height, settings.n_layers);
+        let integrator = (settings.method.build)(&settings.values);
         Self {
             coverage: Coverage::new(&scene, &camera, frame.grid()),
             camera,
-            integrator: (settings.method.build)(&settings.values),
+            adaptive: adaptive_of(&integrator),
+            integrator,
             frame,
             spare: None,
             next_iteration: first_iteration,
@@ -126,7 +131,7 @@ impl Renderer {
         film: &Film,
         cancel: &CancelToken,
     ) -> Result<Iteration<'_>, Cancelled> {
-        if !self.integrator.traces_only_pixels() {
+        if !self.fills_tiles() {
             self.run(None, cancel)?;
             return Ok(Iteration {
                 frame: &self.frame,
@@ -147,6 +152,12 @@ impl Renderer {
         })
     }
 
+    /// True if the next iteration traces each tile once, so that it can go into the film at once.
+    fn fills_tiles(&self) -> bool {
+        let is_settled = self.adaptive.as_ref().is_none_or(Adaptive::is_settled);
+        self.integrator.adds_to_own_pixels() && is_settled
+    }
+
     /// Runs an iteration by itself to see what arrives where.
     pub(super) fn observe(
         &self,
@@ -156,8 +167,9 @@ impl Renderer {
     ) -> Result<Seen, Cancelled> {
         let settings = &self.settings;
         let mut integrator = (settings.method.build)(&settings.values);
+        let mut adaptive = adaptive_of(&integrator);
         let plan = Plan {
-            only_these: integrator.traces_only_pixels(),
+            only_these: integrator.adds_to_own_pixels() && adaptive.is_none(),
             ..plan.clone()
         };
         let mut frame = Frame::new(settings.width, settings.height, settings.n_layers);
@@ -173,12 +185,13 @@ impl Renderer {
         );
         pass.observe(&plan);
         let scene = &*self.scene;
-        self.pool.run(|| integrator.iterate(scene, &mut pass))?;
+        self.pool
+            .run(|| iterate(&mut integrator, adaptive.as_mut(), scene, &mut pass))?;
         Ok(pass.into_seen())
     }
 
     fn run(&mut self, film: Option<NextFilm<'_>>, cancel: &CancelToken) -> Result<(), Cancelled> {
-        self.frame.forget();
+        self.frame.clear();
         self.frame.iteration = self.next_iteration;
         let mut pass = Pass::new(
             (&mut self.frame, film),
@@ -190,7 +203,10 @@ impl Renderer {
         );
         pass.trace_alone(self.is_alone);
         let (integrator, scene) = (&mut self.integrator, &*self.scene);
-        let outcome = self.pool.run(|| integrator.iterate(scene, &mut pass));
+        let adaptive = self.adaptive.as_mut();
+        let outcome = self
+            .pool
+            .run(|| iterate(integrator, adaptive, scene, &mut pass));
         if let Err(cancelled) = outcome {
             // Records of an iteration that was cut short cannot be told from the others.
             if let Some(techniques) = &mut self.techniques {
@@ -198,16 +214,54 @@ impl Renderer {
             }
             return Err(cancelled);
         }
-        assert!(
-            pass.is_whole(),
-            "who says that it traces only pixels does so"
-        );
+        debug_assert!(pass.is_whole(), "every tile is traced");
         if let Some(techniques) = &mut self.techniques {
             techniques.end_iteration();
         }
         self.next_iteration += 1;
         Ok(())
     }
+}
+
+/// Where the samples of a method go, if that depends on the picture.
+fn adaptive_of(integrator: &Integrator) -> Option<Adaptive> {
+    match integrator {
+        Integrator::Pixels(pixels) if pixels.is_adaptive() => Some(Adaptive::new()),
+        _ => None,
+    }
+}
+
+/// Runs an iteration.
+fn iterate(
+    integrator: &mut Integrator,
+    adaptive: Option<&mut Adaptive>,
+    scene: &Scene,
+    pass: &mut Pass<'_>,
+) -> Result<(), Cancelled> {
+    match (integrator, adaptive) {
+        (Integrator::Passes(passes), _) => passes.iterate(scene, pass),
+        (Integrator::Pixels(pixels), None) => trace_pixels(&**pixels, scene, pass),
+        (Integrator::Pixels(pixels), Some(adaptive)) => {
+            adaptive.iterate(pass, |pass| trace_pixels(&**pixels, scene, pass))
+        }
+    }
+}
+
+/// Traces the paths of all pixels.
+fn trace_pixels(
+    method: &dyn PixelIntegrator,
+    scene: &Scene,
+    pass: &mut Pass<'_>,
+) -> Result<(), Cancelled> {
+    pass.split(method.n_splits(scene));
+    let shot = Shot {
+        scene,
+        camera: pass.camera(),
+        max_bounces: pass.max_bounces(),
+    };
+    pass.trace_own_pixels(scene, |pixels, tracer, sink| {
+        method.trace(&shot, pixels, tracer, sink);
+    })
 }
 
 /// An iteration that is to be added to a film.

@@ -41,7 +41,7 @@ pub(in crate::integrator) struct CameraEnd<'a> {
     pub(in crate::integrator) weighing: Weighing,
 }
 
-/// Memory for the subpaths of a tile, which the next one may use again.
+/// Scratch memory of the subpaths of some pixels, which those of others may use again.
 pub(in crate::integrator) struct CameraRoom<'s> {
     /// What each lane's subpath is connected to.
     lights: Vec<LightSubpath<'s>>,

@@ -5,10 +5,10 @@
 //! glass, whose `f` is a delta, can be followed at all.
 
 use crate::bsdf::TransportMode;
-use crate::integrator::{Integrator, Method, ParameterValues, Sight};
-use crate::pass::{Cancelled, Pass};
+use crate::integrator::{Integrator, Method, ParameterValues, PixelIntegrator, Shot, Sight};
+use crate::pass::{PixelSink, Pixels};
 use crate::radiometry::Rgb;
-use crate::scene::Scene;
+use crate::transport::Tracer;
 
 use super::{add_unlit, hit};
 
@@ -26,17 +26,26 @@ pub static METHOD: Method = Method {
     bias: None,
     has_techniques: false,
     parameters: &[],
-    build: |_: &ParameterValues| Box::new(BsdfSampling),
+    build: |_: &ParameterValues| Integrator::Pixels(Box::new(BsdfSampling)),
 };
 
 struct BsdfSampling;
 
-impl Integrator for BsdfSampling {
-    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        let max_bounces = pass.max_bounces();
-        let camera = pass.camera();
-        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
-            let mut ray = camera.ray(raster, sampler.start().lens).ray;
+impl PixelIntegrator for BsdfSampling {
+    fn trace(
+        &self,
+        shot: &Shot<'_>,
+        pixels: Pixels<'_>,
+        tracer: &mut Tracer<'_>,
+        sink: &mut PixelSink<'_>,
+    ) {
+        let Shot {
+            scene,
+            camera,
+            max_bounces,
+        } = *shot;
+        pixels.one_by_one(sink, |sample, sampler, sink| {
+            let mut ray = camera.ray(sample.raster, sampler.start().lens).ray;
             let mut throughput = Rgb::WHITE;
             let mut media = tracer.begin_at_camera(&ray);
             for bounce in 0..=max_bounces {
@@ -63,11 +72,7 @@ impl Integrator for BsdfSampling {
                 media = vertex.media_towards(sample.wi, media);
                 ray = vertex.ray(sample.wi);
             }
-        })
-    }
-
-    fn traces_only_pixels(&self) -> bool {
-        true
+        });
     }
 }
 

@@ -1,17 +1,15 @@
 //! Path tracing in four steps, each the last one plus one idea.
 //!
 //! [`naive`] is the slide's pseudo-code; [`bsdf`] draws directions from the BSDF;
-//! [`nee`] also aims at the lights; [`mis`] weighs both and ends paths by chance. `adaptive` has more
-//! paths where the picture is noisy.
+//! [`nee`] also aims at the lights; [`mis`] weighs both and ends paths by chance.
 
-mod adaptive;
 pub mod bsdf;
 pub mod mis;
 pub mod naive;
 pub mod nee;
 
 use crate::film::{Contribution, Strategy};
-use crate::pass::Sink;
+use crate::pass::PixelSink;
 use crate::radiometry::Rgb;
 use crate::transport::{SurfaceVertex, Tracer};
 
@@ -39,7 +37,7 @@ pub(super) fn connect(bounce: u32, value: Rgb, mis_weight: f32) -> Contribution 
 
 /// What an unlit surface shows where the camera sees it directly.
 #[inline]
-pub(super) fn add_unlit(tracer: &Tracer<'_>, vertex: &SurfaceVertex<'_>, sink: &mut Sink<'_>) {
+pub(super) fn add_unlit(tracer: &Tracer<'_>, vertex: &SurfaceVertex<'_>, sink: &mut PixelSink<'_>) {
     if vertex.material.is_unlit() {
         sink.add(hit(0, tracer.unlit(vertex), 1.0));
     }

@@ -10,12 +10,12 @@
 //! direction is preferred, no light is aimed at, no path ends before the cut.
 //! Where light can pass through a surface, directions are drawn from the whole sphere.
 
-use crate::integrator::{Integrator, Method, ParameterValues, Sight};
+use crate::integrator::{Integrator, Method, ParameterValues, PixelIntegrator, Shot, Sight};
 use crate::math::Frame;
-use crate::pass::{Cancelled, Pass};
+use crate::pass::{PixelSink, Pixels};
 use crate::radiometry::Rgb;
 use crate::sampling::warp;
-use crate::scene::Scene;
+use crate::transport::Tracer;
 use crate::transport::VertexSample;
 
 use super::bsdf::MODE;
@@ -37,17 +37,26 @@ pub static METHOD: Method = Method {
     bias: None,
     has_techniques: false,
     parameters: &[],
-    build: |_: &ParameterValues| Box::new(Naive),
+    build: |_: &ParameterValues| Integrator::Pixels(Box::new(Naive)),
 };
 
 struct Naive;
 
-impl Integrator for Naive {
-    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        let max_bounces = pass.max_bounces();
-        let camera = pass.camera();
-        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
-            let mut ray = camera.ray(raster, sampler.start().lens).ray;
+impl PixelIntegrator for Naive {
+    fn trace(
+        &self,
+        shot: &Shot<'_>,
+        pixels: Pixels<'_>,
+        tracer: &mut Tracer<'_>,
+        sink: &mut PixelSink<'_>,
+    ) {
+        let Shot {
+            scene,
+            camera,
+            max_bounces,
+        } = *shot;
+        pixels.one_by_one(sink, |sample, sampler, sink| {
+            let mut ray = camera.ray(sample.raster, sampler.start().lens).ray;
             let mut throughput = Rgb::WHITE;
             let mut media = tracer.begin_at_camera(&ray);
             for bounce in 0..=max_bounces {
@@ -84,10 +93,6 @@ impl Integrator for Naive {
                 media = vertex.media_towards(wi, media);
                 ray = vertex.ray(wi);
             }
-        })
-    }
-
-    fn traces_only_pixels(&self) -> bool {
-        true
+        });
     }
 }

@@ -6,10 +6,12 @@
 //! seen from the camera directly, or by way of a mirror-like direction.
 
 use crate::endpoint::LightChoice;
-use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
-use crate::pass::{Cancelled, Pass};
+use crate::integrator::{
+    Integrator, Method, Parameter, ParameterKind, ParameterValues, PixelIntegrator, Shot, Sight,
+};
+use crate::pass::{PixelSink, Pixels};
 use crate::radiometry::Rgb;
-use crate::scene::Scene;
+use crate::transport::Tracer;
 use crate::transport::reflection::{aim_at_light, light_sample};
 
 use super::bsdf::MODE;
@@ -27,9 +29,9 @@ pub static METHOD: Method = Method {
     has_techniques: false,
     parameters: &[LIGHTS],
     build: |values: &ParameterValues| {
-        Box::new(NextEvent {
+        Integrator::Pixels(Box::new(NextEvent {
             choice: light_choice(values),
-        })
+        }))
     },
 };
 
@@ -56,13 +58,22 @@ struct NextEvent {
     choice: LightChoice,
 }
 
-impl Integrator for NextEvent {
-    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        let max_bounces = pass.max_bounces();
-        let camera = pass.camera();
+impl PixelIntegrator for NextEvent {
+    fn trace(
+        &self,
+        shot: &Shot<'_>,
+        pixels: Pixels<'_>,
+        tracer: &mut Tracer<'_>,
+        sink: &mut PixelSink<'_>,
+    ) {
+        let Shot {
+            scene,
+            camera,
+            max_bounces,
+        } = *shot;
         let choice = self.choice;
-        pass.trace_pixels(scene, |raster, tracer, sampler, sink| {
-            let mut ray = camera.ray(raster, sampler.start().lens).ray;
+        pixels.one_by_one(sink, |sample, sampler, sink| {
+            let mut ray = camera.ray(sample.raster, sampler.start().lens).ray;
             let mut throughput = Rgb::WHITE;
             let mut media = tracer.begin_at_camera(&ray);
             let mut is_specular = true;
@@ -106,10 +117,6 @@ impl Integrator for NextEvent {
                 media = vertex.media_towards(sample.wi, media);
                 ray = vertex.ray(sample.wi);
             }
-        })
-    }
-
-    fn traces_only_pixels(&self) -> bool {
-        true
+        });
     }
 }

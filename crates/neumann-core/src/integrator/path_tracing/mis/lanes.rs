@@ -8,7 +8,7 @@ use crate::endpoint::light::PanelLanes;
 use crate::endpoint::{Camera, SurfacePoint};
 use crate::integrator::lanes::{DirectionNumbers, PathLanes, Unseen};
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
-use crate::pass::{PixelPath, PixelPlace, Pixels, Sink, Splits};
+use crate::pass::{PixelPath, PixelPlace, PixelSink, Pixels, Splits};
 use crate::sampling::Sampler;
 use crate::scene::Caster;
 use crate::transport::Tracer;
@@ -26,7 +26,7 @@ pub(super) fn trace(
     camera: &Camera,
     mut pixels: Pixels<'_>,
     tracer: &mut Tracer<'_>,
-    sink: &mut Sink<'_>,
+    sink: &mut PixelSink<'_>,
 ) {
     let mut paths = Paths::new(sink);
     let mut step = Step::new(walk);
@@ -83,7 +83,7 @@ struct Split<'t> {
 }
 
 impl<'t> Paths<'t> {
-    fn new(sink: &Sink<'_>) -> Self {
+    fn new(sink: &PixelSink<'_>) -> Self {
         Self {
             common: PathLanes::new(sink),
             carried: CarriedLanes::default(),
@@ -125,7 +125,7 @@ impl<'t> Paths<'t> {
         lane: usize,
         found: Option<&Hit>,
         tracer: &mut Tracer<'_>,
-        sink: &mut Sink<'_>,
+        sink: &mut PixelSink<'_>,
     ) {
         let place = self.places[lane];
         sink.start_pixel(place);
@@ -206,7 +206,7 @@ impl<'a> Step<'a> {
         paths: &mut Paths<'_>,
         hits: &HitLanes,
         tracer: &mut Tracer<'_>,
-        sink: &mut Sink<'_>,
+        sink: &mut PixelSink<'_>,
     ) {
         let Self { vertices, events } = self;
         vertices.complete(&paths.common.rays);

@@ -14,11 +14,13 @@ mod lanes;
 mod walk;
 
 use crate::endpoint::LightChoice;
-use crate::integrator::{Integrator, Method, Parameter, ParameterKind, ParameterValues, Sight};
-use crate::pass::{Cancelled, Pass};
+use crate::integrator::{
+    Integrator, Method, Parameter, ParameterKind, ParameterValues, PixelIntegrator, Shot, Sight,
+};
+use crate::pass::{PixelSink, Pixels};
 use crate::scene::Scene;
+use crate::transport::Tracer;
 
-use super::adaptive::{ADAPTIVE, Adaptive};
 use super::nee::{LIGHTS, light_choice};
 use walk::{N_SPLITS, Walk};
 
@@ -46,19 +48,15 @@ pub static METHOD: Method = Method {
         ADAPTIVE,
     ],
     build: |values: &ParameterValues| {
-        let mis = Mis {
+        Integrator::Pixels(Box::new(Mis {
             choice: match light_choice(values) {
                 LightChoice::Tree => LightChoice::TreeBesideBsdf,
                 choice => choice,
             },
             has_roulette: values.switch("roulette"),
             has_casters: values.switch(CASTERS.name),
-        };
-        if values.switch(ADAPTIVE.name) {
-            Box::new(Adaptive::new(mis))
-        } else {
-            Box::new(mis)
-        }
+            is_adaptive: values.switch(ADAPTIVE.name),
+        }))
     },
 };
 
@@ -75,17 +73,32 @@ struct Mis {
     choice: LightChoice,
     has_roulette: bool,
     has_casters: bool,
+    is_adaptive: bool,
 }
 
-impl Integrator for Mis {
-    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        let camera = pass.camera();
-        let splits = Walk::splits_in(scene);
-        pass.split(if splits { N_SPLITS } else { 1 });
+/// Whether more paths go where the picture is noisy.
+const ADAPTIVE: Parameter = Parameter {
+    name: "adaptive",
+    title: "Adaptive sampling",
+    unit: "",
+    about: "Four paths a pixel and iteration, from the fifth iteration on more of them where the first four were noisy. \
+            Unbiased: what was measured and what is sampled by it have random numbers of their own.",
+    kind: ParameterKind::Switch { default: false },
+};
+
+impl PixelIntegrator for Mis {
+    fn trace(
+        &self,
+        shot: &Shot<'_>,
+        pixels: Pixels<'_>,
+        tracer: &mut Tracer<'_>,
+        sink: &mut PixelSink<'_>,
+    ) {
+        let scene = shot.scene;
         let walk = Walk {
             scene,
-            max_bounces: pass.max_bounces(),
-            splits,
+            max_bounces: shot.max_bounces,
+            splits: Walk::splits_in(scene),
             choice: self.choice,
             has_roulette: self.has_roulette,
             casters: if self.has_casters {
@@ -94,12 +107,14 @@ impl Integrator for Mis {
                 &[]
             },
         };
-        pass.trace_pixels_together(scene, |pixels, tracer, sink| {
-            lanes::trace(&walk, camera, pixels, tracer, sink);
-        })
+        lanes::trace(&walk, shot.camera, pixels, tracer, sink);
     }
 
-    fn traces_only_pixels(&self) -> bool {
-        true
+    fn n_splits(&self, scene: &Scene) -> u8 {
+        if Walk::splits_in(scene) { N_SPLITS } else { 1 }
+    }
+
+    fn is_adaptive(&self) -> bool {
+        self.is_adaptive
     }
 }

@@ -6,7 +6,7 @@ use crate::integrator::path_tracing::bsdf::MODE;
 use crate::integrator::path_tracing::{add_unlit, connect, hit};
 use crate::math::Ray;
 use crate::math::lanes::side_by_side;
-use crate::pass::Sink;
+use crate::pass::PixelSink;
 use crate::radiometry::Rgb;
 use crate::sampling::{Sampler, roulette};
 use crate::scene::bodies::Media;
@@ -90,7 +90,7 @@ impl Walk<'_> {
         tracer: &mut Tracer<'_>,
         sampler: &Sampler<'_>,
         others: impl Iterator<Item = Sampler<'t>>,
-        sink: &mut Sink<'_>,
+        sink: &mut PixelSink<'_>,
         mut split_off: impl FnMut(Path, Sampler<'t>),
     ) -> Option<Path> {
         let (mut path, vertex) = self.meet(path, found, tracer, sink)?;
@@ -113,7 +113,7 @@ impl Walk<'_> {
         mut path: Path,
         found: Option<&Hit>,
         tracer: &mut Tracer<'s>,
-        sink: &mut Sink<'_>,
+        sink: &mut PixelSink<'_>,
     ) -> Option<(Path, SurfaceVertex<'s>)> {
         let bounce = path.bounce;
         // What does the ray meet? Nothing: the environment emits.
@@ -149,7 +149,7 @@ impl Walk<'_> {
         vertex: &SurfaceVertex<'_>,
         tracer: &mut Tracer<'_>,
         sampler: &Sampler<'_>,
-        sink: &mut Sink<'_>,
+        sink: &mut PixelSink<'_>,
     ) -> Option<Path> {
         let (bounce, media) = (path.bounce, path.media);
         let u = sampler.bounce(bounce);

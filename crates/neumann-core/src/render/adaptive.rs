@@ -16,19 +16,7 @@
 use rayon::prelude::*;
 
 use crate::film::{Frame, TILE_PIXELS};
-use crate::integrator::{Integrator, Parameter, ParameterKind};
-use crate::render::{Cancelled, Pass, SampleCounts};
-use crate::scene::Scene;
-
-/// The switch.
-pub(super) const ADAPTIVE: Parameter = Parameter {
-    name: "adaptive",
-    title: "Adaptive sampling",
-    unit: "",
-    about: "Four paths a pixel and iteration, from the fifth iteration on more of them where the first four were noisy. \
-            Unbiased: what was measured and what is sampled by it have random numbers of their own.",
-    kind: ParameterKind::Switch { default: false },
-};
+use crate::pass::{Cancelled, Pass, SampleCounts};
 
 /// Iterations that measure.
 const N_MEASURING: u32 = 4;
@@ -39,20 +27,16 @@ const MAX_COUNT: u8 = 16;
 /// Share of the paths that all tiles have alike.
 const EVEN_SHARE: f64 = 0.25;
 
-/// A method of which the samples go where they are needed.
-pub(super) struct Adaptive<I> {
-    method: I,
-    state: State,
-}
-
-enum State {
+/// Where the samples of a method go.
+pub(super) enum Adaptive {
+    /// How noisy the picture is where.
     Measuring(Measurement),
-    Done(SampleCounts),
+    Settled(SampleCounts),
 }
 
 /// What the first iterations found, pixel by pixel.
 #[derive(Default)]
-struct Measurement {
+pub(super) struct Measurement {
     n_iterations: u32,
     /// Mean of the picture.
     scale: f32,
@@ -78,45 +62,45 @@ struct Moments {
     squared_deviations: f32,
 }
 
-impl<I: Integrator> Adaptive<I> {
-    pub(super) fn new(method: I) -> Self {
-        Self {
-            method,
-            state: State::Measuring(Measurement::default()),
-        }
+impl Adaptive {
+    pub(super) fn new() -> Self {
+        Self::Measuring(Measurement::default())
     }
-}
 
-impl<I: Integrator> Integrator for Adaptive<I> {
-    fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
-        let Self { method, state } = self;
-        if let State::Measuring(measurement) = state {
+    /// True if no other iteration has to be looked at any more.
+    pub(super) fn is_settled(&self) -> bool {
+        matches!(self, Self::Settled(_))
+    }
+
+    /// Runs an iteration of a method with as many samples as it should have.
+    pub(super) fn iterate(
+        &mut self,
+        pass: &mut Pass<'_>,
+        iterate: impl Fn(&mut Pass<'_>) -> Result<(), Cancelled>,
+    ) -> Result<(), Cancelled> {
+        if let Self::Measuring(measurement) = self {
             pass.sample(SampleCounts::Even(MEAN_COUNT));
             // What an earlier run or another machine rendered.
             let n_before = N_MEASURING.min(pass.iteration());
             for iteration in measurement.n_iterations..n_before {
-                pass.rehearse(iteration, |pass| method.iterate(scene, pass))?;
+                pass.measure(iteration, &iterate)?;
                 measurement.take(pass.frame());
-                pass.forget();
+                pass.clear();
             }
             if measurement.n_iterations < N_MEASURING {
-                method.iterate(scene, pass)?;
+                iterate(pass)?;
                 measurement.take(pass.frame());
                 return Ok(());
             }
-            *state = State::Done(SampleCounts::Apart {
+            *self = Self::Settled(SampleCounts::Apart {
                 counts: allot(&measurement.findings(pass.frame())).into(),
                 first_iteration: N_MEASURING,
             });
         }
-        if let State::Done(counts) = state {
+        if let Self::Settled(counts) = self {
             pass.sample(counts.clone());
         }
-        method.iterate(scene, pass)
-    }
-
-    fn traces_only_pixels(&self) -> bool {
-        matches!(self.state, State::Done(_)) && self.method.traces_only_pixels()
+        iterate(pass)
     }
 }
 

@@ -1,4 +1,5 @@
-//! What keeping bounces apart costs: taking frames into a film, and drawing a view from it, at 1280×720.
+//! What keeping bounces apart costs: taking frames into a film, and drawing a view from it, at
+//! 1280×720.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;

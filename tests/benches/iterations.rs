@@ -1,5 +1,5 @@
-//! One iteration of each method, on all threads; and of one by one thread, beside which the first shows how well
-//! threads share the work.
+//! One iteration of each method, on all threads; and of one by one thread, beside which the first
+//! shows how well threads share the work.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;

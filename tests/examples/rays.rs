@@ -1,11 +1,13 @@
-//! How many rays a second one thread traces through a big tree, beside Embree if a harness wants it.
+//! How many rays a second one thread traces through a big tree, beside Embree if a harness wants
+//! it.
 //!
 //! `cargo run --release -p neumann-tests --example rays -- FREQUENCY [--write FILE] [--rounds N]`
 //!
-//! The scene is that of `neumann_tests::room`: FREQUENCY 32 makes 205 000 triangles, 100 makes two million. With `--write` the triangles and rays go to a file that `scripts/peers/embree.cpp` reads, so that
-//! both programs trace the same rays. Prints one line of JSON: seconds to build, and millions of rays a second of
-//! this thread's processor time for camera rays, bounce rays (cosine-distributed from what the camera
-//! sees, and so in no order) and shadow rays.
+//! The scene is that of `neumann_tests::room`: FREQUENCY 32 makes 205 000 triangles, 100 makes two
+//! million. With `--write` the triangles and rays go to a file that `scripts/peers/embree.cpp`
+//! reads, so that both programs trace the same rays. Prints one line of JSON: seconds to build, and
+//! millions of rays a second of this thread's processor time for camera rays, bounce rays
+//! (cosine-distributed from what the camera sees, and so in no order) and shadow rays.
 
 use std::io::Write;
 use std::time::Instant;
@@ -73,8 +75,8 @@ fn thread_seconds() -> f64 {
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-/// Numbers of triangles and of each kind of ray (u32), then nine floats a triangle and seven (origin, direction,
-/// length) a ray; little-endian.
+/// Numbers of triangles and of each kind of ray (u32), then nine floats a triangle and seven
+/// (origin, direction, length) a ray; little-endian.
 fn write(path: &str, triangles: &[[Vec3; 3]], kinds: &[Vec<Ray>; 3]) -> std::io::Result<()> {
     let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
     for n in [triangles.len()]

@@ -43,8 +43,9 @@ fn what_is_sampled_adaptively_tends_to_the_same() {
     family.judge();
 }
 
-/// In each tile a speck, so small that only every fourth measurement meets it, decides how many paths are run there. Were
-/// these not independent of those that met it, the specks would come out a quarter too dark.
+/// In each tile a speck, so small that only every fourth measurement meets it, decides how many
+/// paths are run there. Were these not independent of those that met it, the specks would come out
+/// a quarter too dark.
 #[test]
 fn what_is_met_rarely_is_not_lost() {
     const SPECK: f32 = 1.0 / 8.0;
@@ -73,7 +74,8 @@ fn what_is_met_rarely_is_not_lost() {
     family.judge();
 }
 
-/// A floor under a lamp that hangs low over one corner: close to the lamp, what a point of it gives varies a hundred times more than far away.
+/// A floor under a lamp that hangs low over one corner: close to the lamp, what a point of it gives
+/// varies a hundred times more than far away.
 #[test]
 fn where_noise_is_uneven_the_same_rays_leave_less_error() {
     let mut stage = Stage::default();

@@ -1,8 +1,9 @@
 //! Is light the same forwards and backwards?
 //!
-//! Shading normals and refraction make a BSDF differ from its adjoint ([Veach 1997] ch. 5): light tracing must
-//! correct what path tracing needs no correction for. Facets much larger than their normals suggest, and glass that
-//! radiance squeezes into, would show each error as a factor that varies over the image.
+//! Shading normals and refraction make a BSDF differ from its adjoint ([Veach 1997] ch. 5): light
+//! tracing must correct what path tracing needs no correction for. Facets much larger than their
+//! normals suggest, and glass that radiance squeezes into, would show each error as a factor that
+//! varies over the image.
 
 use std::sync::Arc;
 
@@ -82,8 +83,8 @@ fn smooth_normals_on_coarse_facets() {
     }
 }
 
-/// A slab of rough glass with a wall behind it: radiance is squeezed on the way in and widened on the way out, and the
-/// light that is seen inside of it would be off by the square of its index.
+/// A slab of rough glass with a wall behind it: radiance is squeezed on the way in and widened on
+/// the way out, and the light that is seen inside of it would be off by the square of its index.
 #[test]
 fn a_slab_of_rough_glass() {
     let glass = MaterialDescription {

@@ -1,11 +1,13 @@
 //! Do all methods make the same image, bounce by bounce?
 //!
 //! Every built-in scene is rendered by every method that says it can see what is in it, in
-//! independent batches, and each layer is held against that of `pt-mis` (of `bdpt` or `vcm`, where light hardly reaches paths from
-//! the camera): by channel over the whole image, and by block. The tests know nothing of the methods but their row in `METHODS`.
+//! independent batches, and each layer is held against that of `pt-mis` (of `bdpt` or `vcm`, where
+//! light hardly reaches paths from the camera): by channel over the whole image, and by block. The
+//! tests know nothing of the methods but their row in `METHODS`.
 //!
-//! Student's and Welch's tests want batch means that are nearly normal. Where a method finds light so
-//! rarely that most batches miss it, there is nothing to test and the layer is left to the others;
+//! Student's and Welch's tests want batch means that are nearly normal. Where a method finds light
+//! so rarely that most batches miss it, there is nothing to test and the layer is left to the
+//! others;
 //! [`HOPELESS`] lists what that is known to make worthless, and why.
 
 use std::collections::BTreeMap;
@@ -30,18 +32,20 @@ const N_ITERATIONS: u32 = 8;
 /// carried by paths too rare for any number of batches that a test can afford, and the spread of
 /// those batches does not show it.
 ///
-/// - `plates` is Veach's scene: directions drawn at random miss its smallest lights, lights aimed at are hardly
-///   ever in the lobes of its smoothest plates. Over 600 000 samples T1 of `pt-bsdf` agreed within 3 %;
-///   T1 of `pt-nee` still missed a third.
+/// - `plates` is Veach's scene: directions drawn at random miss its smallest lights, lights aimed
+///   at are hardly ever in the lobes of its smoothest plates. Over 600 000 samples T1 of `pt-bsdf`
+///   agreed within 3 %; T1 of `pt-nee` still missed a third.
 /// - `sky` has a small sun, which directions drawn at random hardly ever meet.
-/// - In the studio, and from within a block of glass (`backs`), uniform directions hardly ever follow the lobes of rough glass in and out again; over
-///   12 million samples under the sky, T3 came to the same within 3 % and T4 within two of its errors of 7 %.
-/// - `lamps`, `caustic`, `pool` and `cornell-glass` are lit by way of shades or smooth glass: paths from the camera meet the
-///   light hardly ever.
-/// - In `cornell-glass`, T2 holds the mirror's caustic. Over 9 million samples, the six regions of `pt-nee` agreed with
-///   `bdpt` within 2.3 %, and that which 100 000 samples had 25 % too dark within 0.03 %.
-/// - Light paths, too, hit the smooth plates of `plates` in the direction of the lens hardly ever; and those of `sky`
-///   start anywhere on a disk across the whole ground.
+/// - In the studio, and from within a block of glass (`backs`), uniform directions hardly ever
+///   follow the lobes of rough glass in and out again; over 12 million samples under the sky, T3
+///   came to the same within 3 % and T4 within two of its errors of 7 %.
+/// - `lamps`, `caustic`, `pool` and `cornell-glass` are lit by way of shades or smooth glass: paths
+///   from the camera meet the light hardly ever.
+/// - In `cornell-glass`, T2 holds the mirror's caustic. Over 9 million samples, the six regions of
+///   `pt-nee` agreed with `bdpt` within 2.3 %, and that which 100 000 samples had 25 % too dark
+///   within 0.03 %.
+/// - Light paths, too, hit the smooth plates of `plates` in the direction of the lens hardly ever;
+///   and those of `sky` start anywhere on a disk across the whole ground.
 const HOPELESS: &[(&str, &str, RangeInclusive<usize>)] = &[
     ("naive", "plates", 1..=6),
     ("pt-bsdf", "plates", 1..=6),
@@ -74,8 +78,9 @@ const HOPELESS: &[(&str, &str, RangeInclusive<usize>)] = &[
     ("pt-mis", "cornell-glass", 2..=6),
 ];
 
-/// Scenes for which paths from the camera alone make no reference, and the method that does: where light passes smooth glass
-/// on its way to a surface and again from there to the camera, no connection helps, and only merging finds it.
+/// Scenes for which paths from the camera alone make no reference, and the method that does: where
+/// light passes smooth glass on its way to a surface and again from there to the camera, no
+/// connection helps, and only merging finds it.
 const REFERENCES: &[(&str, &str)] = &[
     ("lamps", "bdpt"),
     ("caustic", "bdpt"),
@@ -146,7 +151,8 @@ fn batches_of(scene: &Arc<Scene>, method: &'static Method, n_iterations: u32) ->
         .batches(N_BATCHES, n_iterations, 40 + stream)
 }
 
-/// Compares every method that can see the scene with the default one, and counts the scenes of each.
+/// Compares every method that can see the scene with the default one, and counts the scenes of
+/// each.
 pub(super) fn compare_methods(
     family: &mut Family,
     n_scenes: &mut BTreeMap<&'static str, usize>,
@@ -197,7 +203,8 @@ fn built_in_scenes() {
     }
 }
 
-/// Every kind of light over every kind of material, all large and rough, so that nothing is hopeless.
+/// Every kind of light over every kind of material, all large and rough, so that nothing is
+/// hopeless.
 #[test]
 fn studio_scenes() {
     let mut family = Family::default();
@@ -293,8 +300,9 @@ fn planted_errors_are_noticed() {
     }
 }
 
-/// Light paths are one sequence, which numbers of pixels that are powers of two divide into parts that are alike: a
-/// pixel that met the light paths of one part only would show it, and all of its neighbours eight columns away with it.
+/// Light paths are one sequence, which numbers of pixels that are powers of two divide into parts
+/// that are alike: a pixel that met the light paths of one part only would show it, and all of its
+/// neighbours eight columns away with it.
 #[test]
 fn each_pixel_is_joined_to_all_light_paths() {
     const N: usize = 64;

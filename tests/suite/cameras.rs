@@ -40,8 +40,8 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     .into()
 }
 
-/// Seen from the camera's film, rays must find what aiming from outside finds: a plane of radiance 1
-/// is 1 in every pixel, whether its light is aimed at the camera or found by camera rays.
+/// Seen from the camera's film, rays must find what aiming from outside finds: a plane of radiance
+/// 1 is 1 in every pixel, whether its light is aimed at the camera or found by camera rays.
 #[test]
 fn importance_is_one_for_every_pixel() {
     let mut family = Family::default();

@@ -1,4 +1,5 @@
-//! Are the paths that diffuse surfaces send to mirrors and glass drawn and weighed right, and do they pay?
+//! Are the paths that diffuse surfaces send to mirrors and glass drawn and weighed right, and do
+//! they pay?
 
 use std::sync::Arc;
 
@@ -124,7 +125,8 @@ fn directions_are_drawn_with_their_density() {
     family.judge();
 }
 
-/// A mirror ball and one of glass between a diffuse floor, a wall that is coated in part with a mirror-like coat, and a lamp.
+/// A mirror ball and one of glass between a diffuse floor, a wall that is coated in part with a
+/// mirror-like coat, and a lamp.
 fn still_life() -> Arc<Scene> {
     let mut stage = Stage::default();
     let floor = rectangle(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0);

@@ -35,7 +35,8 @@ fn assert_same_bits(a: &Film, b: &Film, what: &str) {
     }
 }
 
-/// Every method with its default parameters, and adaptive sampling, which looks at iterations before its own.
+/// Every method with its default parameters, and adaptive sampling, which looks at iterations
+/// before its own.
 fn ways(scene: &Arc<Scene>, width: usize, height: usize) -> Vec<(String, Setup)> {
     let setup = Setup::new(scene, width, height);
     let by = |method: &&'static Method| (method.id.to_owned(), setup.clone().by(method));
@@ -101,7 +102,8 @@ fn a_cancelled_iteration_leaves_no_trace() {
     }
 }
 
-/// A film that tiles go into as soon as they have been traced is the one that whole frames are added to.
+/// A film that tiles go into as soon as they have been traced is the one that whole frames are
+/// added to.
 #[test]
 fn tiles_at_once_are_those_of_whole_frames() {
     let scene = builtin("cornell-glass");

@@ -1,7 +1,8 @@
 //! Is the light that is aimed at chosen with the probability that is stated?
 //!
-//! From several points, lights chosen are counted and held against their probabilities by chi-square; those that add to less
-//! than one leave the rest to choosing none. And no light that can reach a point may be ruled out there.
+//! From several points, lights chosen are counted and held against their probabilities by
+//! chi-square; those that add to less than one leave the rest to choosing none. And no light that
+//! can reach a point may be ruled out there.
 
 use std::sync::Arc;
 
@@ -268,7 +269,8 @@ fn count(family: &mut Family, name: &str, lights: &Lights, at: &Receiver, random
             .map(|p| p * N_SAMPLES as f64)
             .collect();
         if rest == 0.0 {
-            // The sum is known to 1e-5, which is two of the samples: more than twelve are beyond chance.
+            // The sum is known to 1e-5, which is two of the samples: more than twelve are beyond
+            // chance.
             assert!(counts[n] <= 12.0, "{name}: no light {} times", counts[n]);
         }
         if expected.iter().filter(|e| **e > 0.0).count() < 2 {
@@ -303,7 +305,8 @@ fn lights_are_chosen_as_stated() {
     family.judge();
 }
 
-/// What is ruled out must have nothing to give: otherwise its light would be missing from the picture.
+/// What is ruled out must have nothing to give: otherwise its light would be missing from the
+/// picture.
 #[test]
 fn no_light_that_reaches_a_point_is_ruled_out() {
     let mut random = Random::new(32);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3};
 
 use neumann_core::endpoint::Camera;
-use neumann_core::integrator::bidirectional::{Heuristic, Vertex, Walk, Weighing};
+use neumann_core::integrator::bidirectional::{Heuristic, MisWeights, Vertex, Walk};
 use neumann_core::integrator::{METHODS, Method, method};
 use neumann_core::radiometry::Rgb;
 use neumann_core::sampling::Sampler;
@@ -534,7 +534,7 @@ fn subpath<'a>(
     mut walk: Walk,
     tracer: &mut Tracer<'a>,
     sampler: &mut Sampler<'_>,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) -> Vec<Vertex<'a>> {
     let mut vertices = Vec::new();
     while let Some(vertex) = walk.meet(tracer, weighing) {
@@ -569,7 +569,7 @@ fn both_ends_agree_on_what_is_between() {
     );
     let scene = stage.scene();
     let camera = Camera::new(&scene.cameras()[0], 8, 8);
-    let weighing = Weighing::connections(Heuristic::Power, 1.0);
+    let weighing = MisWeights::connections(Heuristic::Power, 1.0);
     let mut tracer = Tracer::new(&scene);
     let (mut n_in_vacuum, mut n_in_media, mut n_other) = (0, 0, 0);
     for i in 0..4000 {

@@ -69,11 +69,12 @@ fn merges_alone_make_the_image() {
     );
 }
 
-/// Knaus and Zwicker 2011: with a radius whose square shrinks like i^(α - 1), the variance of the mean of n iterations
-/// falls like n^(-α), for photons that are few within the radius.
+/// Knaus and Zwicker 2011: with a radius whose square shrinks like i^(α - 1), the variance of the
+/// mean of n iterations falls like n^(-α), for photons that are few within the radius.
 #[test]
 fn the_variance_of_progressive_photons_falls_with_the_predicted_exponent() {
-    // All pixels of a batch share its photons: a bigger picture, with more of them, varies less from batch to batch.
+    // All pixels of a batch share its photons: a bigger picture, with more of them, varies less
+    // from batch to batch.
     let size = [72, 48];
     let scene = builtin("cornell");
     for alpha in [0.5, 0.75, 1.0] {

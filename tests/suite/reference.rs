@@ -1,9 +1,9 @@
 //! Does another program, which shares no code with this one, get the same numbers?
 //!
-//! The numbers are from Mitsuba 3.9.1 (variant `llvm_ad_rgb`), to which the built-in scenes were given by
-//! a glTF reader of their own: term k is the difference of its `path` integrator at `max_depth`
-//! k + 1 and at k (same seeds, `rr_depth` 1000), 64 x 64 pixels, box filter, in 8 independent runs;
-//! the mean over the image, and the standard error of that mean from the runs.
+//! The numbers are from Mitsuba 3.9.1 (variant `llvm_ad_rgb`), to which the built-in scenes were
+//! given by a glTF reader of their own: term k is the difference of its `path` integrator at
+//! `max_depth` k + 1 and at k (same seeds, `rr_depth` 1000), 64 x 64 pixels, box filter, in 8
+//! independent runs; the mean over the image, and the standard error of that mean from the runs.
 
 use neumann_tests::renders::Setup;
 use neumann_tests::scenes::builtin;
@@ -73,7 +73,8 @@ const CORNELL_GLASS: [Term; 5] = [
     },
 ];
 
-/// Renders `64 × n_iterations` samples a pixel and compares. (The spread of 16 batches was once three times too small.)
+/// Renders `64 × n_iterations` samples a pixel and compares. (The spread of 16 batches was once
+/// three times too small.)
 fn test(name: &str, reference: &[Term], n_iterations: u32) {
     let scene = builtin(name);
     let batches = Setup::new(&scene, 64, 64)

@@ -1,7 +1,7 @@
 //! Do replayed paths make the pixel?
 //!
-//! For every row of `METHODS`: what an iteration's paths bring to a pixel, replayed one by one, adds
-//! up to what the iteration has there, bounce by bounce; and the paths are possible ones.
+//! For every row of `METHODS`: what an iteration's paths bring to a pixel, replayed one by one,
+//! adds up to what the iteration has there, bounce by bounce; and the paths are possible ones.
 
 use std::sync::Arc;
 

@@ -278,8 +278,8 @@ fn a_scene_without_light_gets_the_studio() {
     }
 }
 
-/// The default method without its roulette, and with lights chosen alike everywhere, which is exact inside of a sphere:
-/// noise would hide small losses.
+/// The default method without its roulette, and with lights chosen alike everywhere, which is exact
+/// inside of a sphere: noise would hide small losses.
 fn steady(scene: &Arc<Scene>) -> Setup {
     let mut setup = Setup::new(scene, 48, 48).up_to(8);
     let parameters = setup.settings.method.parameters;
@@ -349,8 +349,9 @@ fn place_hardly_matters() {
     }
 }
 
-/// Meshes that are kept once for all their instances look as if each were there by itself: the same ray meets the same
-/// point, with the same normals, colour and triangle, also where a transform mirrors and stretches.
+/// Meshes that are kept once for all their instances look as if each were there by itself: the same
+/// ray meets the same point, with the same normals, colour and triangle, also where a transform
+/// mirrors and stretches.
 #[test]
 fn instances_look_like_copies() {
     let shape = ball(0.4);
@@ -433,7 +434,8 @@ fn instances_look_like_copies() {
                 assert!(x.point.position.abs_diff_eq(y.point.position, 1e-3));
                 // At one point of the facet, since a grazing ray's is known less well.
                 let [x, y] = [&ours, &theirs].map(|t| t.surface_at(x.triangle, [0.2, 0.5], x.wo));
-                // The facets are millimetres wide, and their corners rounded to a micrometre, ten metres away.
+                // The facets are millimetres wide, and their corners rounded to a micrometre, ten
+                // metres away.
                 let close = |a: Vec3, b: Vec3| a.abs_diff_eq(b, 1e-2);
                 assert!(x.point.position.abs_diff_eq(y.point.position, 1e-5));
                 assert!(

@@ -1,14 +1,15 @@
 //! Do the running weights equal those written out?
 //!
-//! Paths of real scenes, from one to six bounces, over rough and smooth surfaces, with each kind of light and camera. For
-//! each of them the density of every technique is multiplied out vertex by vertex, in double precision; the
-//! weights that follow must be those of the running quantities, and add to one.
+//! Paths of real scenes, from one to six bounces, over rough and smooth surfaces, with each kind of
+//! light and camera. For each of them the density of every technique is multiplied out vertex by
+//! vertex, in double precision; the weights that follow must be those of the running quantities,
+//! and add to one.
 
 use neumann_core::bsdf::TransportMode;
 use neumann_core::endpoint::light::LightSample;
 use neumann_core::endpoint::{Aim, Camera, CameraRay, LensHit, LightChoice, Spread, Start};
 use neumann_core::integrator::bidirectional::weights::{EndDensities, JointDensities};
-use neumann_core::integrator::bidirectional::{Heuristic, Partial, Walk, Weighing};
+use neumann_core::integrator::bidirectional::{Heuristic, MisWeights, Partial, Walk};
 use neumann_core::scene::Scene;
 use neumann_core::scene::description::{CameraDescription, Lens, Projection};
 use neumann_core::transport::{SurfaceVertex, Tracer};
@@ -21,7 +22,8 @@ use glam::Vec2;
 
 /// A vertex on a surface, seen from the light's side and from the camera's.
 struct Between {
-    /// Density with which the light's walk goes on to the camera's side, 1/sr (a delta lobe's probability).
+    /// Density with which the light's walk goes on to the camera's side, 1/sr (a delta lobe's
+    /// probability).
     light_pdf: f64,
     /// Density with which the camera's walk goes on to the light's side.
     camera_pdf: f64,
@@ -113,7 +115,8 @@ impl Path {
         self.aim.distance.is_infinite()
     }
 
-    /// Density with which the light's own point (or direction, or place in a list) is aimed at from the first surface.
+    /// Density with which the light's own point (or direction, or place in a list) is aimed at from
+    /// the first surface.
     fn pdf_aim(&self) -> f64 {
         let pdf_w = f64::from(self.aim.pdf_w);
         if self.is_light_far() || self.aim.is_delta {
@@ -132,12 +135,14 @@ impl Path {
         }
     }
 
-    /// Densities of all techniques: without a merge by s, then merges by vertex; zero where one cannot make the path.
+    /// Densities of all techniques: without a merge by s, then merges by vertex; zero where one
+    /// cannot make the path.
     fn densities(&self, eta: f64, light_paths: f64) -> (Vec<f64>, Vec<f64>) {
         let m = self.surfaces.len();
         let v = |i: usize| &self.surfaces[i - 1];
         let across = |spread: Spread, d: f64| f64::from(spread.pdf_a_across(d as f32));
-        // Light subpaths of s vertices: for s = 1 the light is aimed at, for s ≥ 2 it is started from.
+        // Light subpaths of s vertices: for s = 1 the light is aimed at, for s ≥ 2 it is started
+        // from.
         let mut light = vec![1.0; m + 3];
         light[1] = self.pdf_aim();
         light[2] = self.pdf_start() * across(self.aim.spread, self.distances[0]) * v(1).light_cos;
@@ -180,7 +185,7 @@ impl Path {
     }
 
     /// The same techniques' weights by the running quantities.
-    fn running(&self, weighing: &Weighing) -> (Vec<f32>, Vec<f32>) {
+    fn running(&self, weighing: &MisWeights) -> (Vec<f32>, Vec<f32>) {
         let m = self.surfaces.len();
         let v = |i: usize| &self.surfaces[i - 1];
         let d2 = |i: usize| square(self.distances[i]) as f32;
@@ -325,8 +330,8 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
     .into()
 }
 
-/// Holds running weights against written-out ones over many paths; yields how many paths there were, and how many of them
-/// had a mirror-like vertex.
+/// Holds running weights against written-out ones over many paths; yields how many paths there
+/// were, and how many of them had a mirror-like vertex.
 fn check(
     scene: &Scene,
     name: &str,
@@ -336,7 +341,7 @@ fn check(
 ) -> (usize, usize) {
     let mut random = Random::new(77);
     let (mut n_paths, mut n_specular) = (0, 0);
-    let mut weighing = Weighing::connections(heuristic, light_paths);
+    let mut weighing = MisWeights::connections(heuristic, light_paths);
     let mut eta = 0.0;
     if let Some((n, radius)) = eta_and_radius {
         weighing = weighing.merges(n, radius, true);
@@ -408,12 +413,12 @@ fn running_weights_are_the_written_out_ones() {
     );
 }
 
-/// A light's walk begins with the probability of its light to be aimed at from where it lands, over that of being
-/// started from: the two are chosen differently.
+/// A light's walk begins with the probability of its light to be aimed at from where it lands, over
+/// that of being started from: the two are chosen differently.
 #[test]
 fn walks_from_lights_know_both_choices() {
     let mut random = Random::new(78);
-    let weighing = Weighing::connections(Heuristic::Power, 1.0);
+    let weighing = MisWeights::connections(Heuristic::Power, 1.0);
     let (mut n_walks, mut n_different) = (0, 0);
     let mut scenes = studios();
     scenes.push(("many", builtin("many")));

@@ -79,7 +79,8 @@ impl Setup {
         self
     }
 
-    /// The same with photon maps of many paths, a new one for each iteration, where the method has one.
+    /// The same with photon maps of many paths, a new one for each iteration, where the method has
+    /// one.
     #[must_use]
     pub fn with_many_photons(mut self) -> Self {
         for (name, value) in [("paths", Value::Real(16.0)), ("map", Value::Choice(1))] {

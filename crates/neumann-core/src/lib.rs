@@ -70,16 +70,23 @@
 //!
 //! # Sources
 //! - \[Veach 1997\] E. Veach, Robust Monte Carlo Methods for Light Transport Simulation.
-//! - \[VCM\] I. Georgiev, Implementing Vertex Connection and Merging, technical report, Saarland University, 2012.
-//! - I. Georgiev, J. Křivánek, T. Davidovič, Ph. Slusallek, Light Transport Simulation with Vertex Connection and Merging, ACM TOG 31(6), 2012.
-//! - C. Knaus, M. Zwicker, Progressive Photon Mapping: A Probabilistic Approach, ACM TOG 30(3), 2011.
+//! - \[VCM\] I. Georgiev, Implementing Vertex Connection and Merging, technical report, Saarland
+//!   University, 2012.
+//! - I. Georgiev, J. Křivánek, T. Davidovič, Ph. Slusallek, Light Transport Simulation with Vertex
+//!   Connection and Merging, ACM TOG 31(6), 2012.
+//! - C. Knaus, M. Zwicker, Progressive Photon Mapping: A Probabilistic Approach, ACM TOG 30(3),
+//!   2011.
 //! - H. W. Jensen, Realistic Image Synthesis Using Photon Mapping, 2001.
 //! - \[PBR4\] M. Pharr, W. Jakob, G. Humphreys, Physically Based Rendering, 4th edition.
-//! - \[Conty & Kulla 2018\] A. Conty Estevez, C. Kulla, Importance Sampling of Many Lights with Adaptive Tree Splitting, PACM CGIT 1(2).
+//! - \[Conty & Kulla 2018\] A. Conty Estevez, C. Kulla, Importance Sampling of Many Lights with
+//!   Adaptive Tree Splitting, PACM CGIT 1(2).
 //! - \[Burley 2020\] B. Burley, Practical Hash-based Owen Scrambling, JCGT 9(4).
-//! - T. Hesterberg, Weighted Average Importance Sampling and Defensive Mixture Distributions, Technometrics 37(2), 1995.
-//! - \[Preetham 1999\] A. J. Preetham, P. Shirley, B. Smits, A Practical Analytic Model for Daylight, SIGGRAPH 1999.
-//! - \[Darula 2005\] S. Darula, R. Kittler, C. Gueymard, Reference luminous solar constant and solar luminance for illuminance calculations, Solar Energy 79(5).
+//! - T. Hesterberg, Weighted Average Importance Sampling and Defensive Mixture Distributions,
+//!   Technometrics 37(2), 1995.
+//! - \[Preetham 1999\] A. J. Preetham, P. Shirley, B. Smits, A Practical Analytic Model for
+//!   Daylight, SIGGRAPH 1999.
+//! - \[Darula 2005\] S. Darula, R. Kittler, C. Gueymard, Reference luminous solar constant and
+//!   solar luminance for illuminance calculations, Solar Energy 79(5).
 //! - Ph. Dutré, Global Illumination Compendium, 2003.
 //! - Khronos, glTF 2.0 specification and the KHR extensions named where they are used.
 

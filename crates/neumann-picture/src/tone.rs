@@ -222,9 +222,11 @@ mod tests {
     #[test]
     fn known_values() {
         assert!((ToneCurve::Reinhard.apply(Rgb::splat(1.0)).r - 0.5).abs() < 1e-6);
-        // ACES fit at 0.18: (0.18 * (0.18 + 0.0245786) - 0.000090537) / (0.18 * (0.983729 * 0.18 + 0.432951) + 0.238081)
+        // ACES fit at 0.18: (0.18 * (0.18 + 0.0245786) - 0.000090537) / (0.18 * (0.983729 * 0.18 +
+        // 0.432951) + 0.238081)
         assert!((ToneCurve::Aces.apply(Rgb::splat(0.18)).r - 0.105_57).abs() < 1e-4);
-        // AgX puts middle grey, 0.606 of its range of stops, at code 0.4968 of a display of exponent 2.2.
+        // AgX puts middle grey, 0.606 of its range of stops, at code 0.4968 of a display of
+        // exponent 2.2.
         let agx = ToneCurve::Agx.apply(Rgb::splat(0.18)).r.powf(1.0 / 2.2);
         assert!((agx - 0.4968).abs() < 1e-3, "{agx}");
         // PBR Neutral takes 0.04 off everything, and bends from 0.76 on.

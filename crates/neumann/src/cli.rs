@@ -139,7 +139,8 @@ pub(crate) struct RenderArguments {
     /// Write half floats: smaller, but not to be resumed from
     #[arg(long, conflicts_with = "resume")]
     pub(crate) half: bool,
-    /// Keep the (s,t) techniques of this run apart: techniques.exr and the sheet techniques.png in this folder
+    /// Keep the (s,t) techniques of this run apart: techniques.exr and the sheet techniques.png in
+    /// this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) techniques: Option<PathBuf>,
     /// Make the images of techniques so many times smaller each way
@@ -231,7 +232,8 @@ pub(crate) struct CompareArguments {
     /// Compare a layer of both (T0, T1, …, tail, albedo, …) instead of L
     #[arg(long, value_name = "LAYER")]
     pub(crate) layer: Option<String>,
-    /// Picture of the difference: .png orange where brighter, blue where darker; .exr the signed difference
+    /// Picture of the difference: .png orange where brighter, blue where darker; .exr the signed
+    /// difference
     #[arg(short = 'o', long = "output", value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]

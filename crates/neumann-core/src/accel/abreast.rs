@@ -1,9 +1,10 @@
 //! Rays side by side.
 //!
-//! They are prepared, and meet the children of the root, sixteen at once in vectors. From there on each walks by itself:
-//! rays that have been scattered soon go different ways, and a vector of which few lanes are wanted is slower than
-//! the vectors of boxes and triangles that a single ray meets. Only a small tree is walked together to its end, where vectors
-//! are long enough ([`super::avx512`]).
+//! They are prepared, and meet the children of the root, sixteen at once in vectors. From there on
+//! each walks by itself: rays that have been scattered soon go different ways, and a vector of
+//! which few lanes are wanted is slower than the vectors of boxes and triangles that a single ray
+//! meets. Only a small tree is walked together to its end, where vectors are long enough
+//! ([`super::avx512`]).
 
 use glam::Vec3;
 

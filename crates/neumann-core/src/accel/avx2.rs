@@ -2,7 +2,8 @@
 //!
 //! The same operations in the same order as in [`super::portable`], so that the bits agree.
 //!
-//! Unsafe are the vector instructions alone; `Bvh` calls this module only where the processor has them.
+//! Unsafe are the vector instructions alone; `Bvh` calls this module only where the processor has
+//! them.
 #![allow(unsafe_code, reason = "vector instructions")]
 
 use std::arch::x86_64::{
@@ -30,9 +31,9 @@ macro_rules! compile_for {
         use super::Avx2;
         use crate::accel::abreast::RayLanes;
         use crate::accel::hits::Hit;
-        use crate::accel::hits::{Crossing, PackedHit, Sight};
+        use crate::accel::hits::{Crossing, Occlusion, PackedHit};
         use crate::accel::instances::Instances;
-        use crate::accel::traverse::{self, SightLanes};
+        use crate::accel::traverse::{self, OcclusionLanes};
         use crate::accel::wide::WideTree;
         use crate::math::Ray;
 
@@ -41,7 +42,7 @@ macro_rules! compile_for {
             unsafe { closest_with_features(tree, ray) }
         }
 
-        pub(in crate::accel) fn any(tree: &WideTree, ray: &Ray) -> Sight {
+        pub(in crate::accel) fn any(tree: &WideTree, ray: &Ray) -> Occlusion {
             // SAFETY: as above.
             unsafe { any_with_features(tree, ray) }
         }
@@ -55,7 +56,7 @@ macro_rules! compile_for {
             unsafe { closest_of_lanes_with_features(tree, rays, hits) }
         }
 
-        pub(in crate::accel) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> SightLanes {
+        pub(in crate::accel) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> OcclusionLanes {
             // SAFETY: as above.
             unsafe { any_of_lanes_with_features(tree, rays) }
         }
@@ -69,7 +70,7 @@ macro_rules! compile_for {
             unsafe { closest_of_all_with_features(tree, instances, ray) }
         }
 
-        pub(in crate::accel) fn any_of_instances(instances: &Instances, ray: &Ray) -> Sight {
+        pub(in crate::accel) fn any_of_instances(instances: &Instances, ray: &Ray) -> Occlusion {
             // SAFETY: as above.
             unsafe { any_of_instances_with_features(instances, ray) }
         }
@@ -94,7 +95,7 @@ macro_rules! compile_for {
         }
 
         #[target_feature(enable = $features)]
-        fn any_of_lanes_with_features(tree: &WideTree, rays: &RayLanes) -> SightLanes {
+        fn any_of_lanes_with_features(tree: &WideTree, rays: &RayLanes) -> OcclusionLanes {
             traverse::any_of_lanes::<Avx2>(tree, rays)
         }
 
@@ -108,7 +109,7 @@ macro_rules! compile_for {
         }
 
         #[target_feature(enable = $features)]
-        fn any_of_instances_with_features(instances: &Instances, ray: &Ray) -> Sight {
+        fn any_of_instances_with_features(instances: &Instances, ray: &Ray) -> Occlusion {
             traverse::any_of_instances::<Avx2>(instances, ray)
         }
 
@@ -128,7 +129,7 @@ macro_rules! compile_for {
         }
 
         #[target_feature(enable = $features)]
-        fn any_with_features(tree: &WideTree, ray: &Ray) -> Sight {
+        fn any_with_features(tree: &WideTree, ray: &Ray) -> Occlusion {
             traverse::any::<Avx2>(tree, ray)
         }
     };
@@ -139,8 +140,8 @@ pub(super) mod plain {
     compile_for!("avx2,fma,bmi1,lzcnt");
 }
 
-/// The same with AVX-512: its vectors are no longer here, but there are twice as many registers, so that less of a ray has to
-/// be read from memory again and again.
+/// The same with AVX-512: its vectors are no longer here, but there are twice as many registers, so
+/// that less of a ray has to be read from memory again and again.
 pub(super) mod avx512 {
     compile_for!("avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq");
 }

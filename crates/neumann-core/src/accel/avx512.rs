@@ -1,11 +1,13 @@
 //! Sixteen rays together through a small tree, in vectors of sixteen, for processors with AVX-512.
 //!
-//! Each box and each triangle is tested against all of them at once. Few of the lanes are wanted at most triangles, but hardly a
-//! branch depends on where a single ray goes, which costs a ray that walks by itself more than the tests.
+//! Each box and each triangle is tested against all of them at once. Few of the lanes are wanted at
+//! most triangles, but hardly a branch depends on where a single ray goes, which costs a ray that
+//! walks by itself more than the tests.
 //!
 //! The same operations in the same order as in [`super::portable`], so that the bits agree.
 //!
-//! Unsafe are the vector instructions alone; `Bvh` calls this module only where the processor has them.
+//! Unsafe are the vector instructions alone; `Bvh` calls this module only where the processor has
+//! them.
 #![allow(unsafe_code, reason = "vector instructions")]
 
 use std::arch::x86_64::{
@@ -20,9 +22,9 @@ use std::arch::x86_64::{
 
 use super::abreast::{PreparedLanes, RayLanes};
 use super::avx2::Avx2;
-use super::hits::{Best as BestOfOne, Hit, Sight};
+use super::hits::{Best as BestOfOne, Hit, Occlusion};
 use super::prepared::{DEPTH_SLACK, FAR_PADDING};
-use super::traverse::{self, SightLanes};
+use super::traverse::{self, OcclusionLanes};
 use super::wide::{FLAT, LEAF, LEAF_SIZE, Leaf, Node, SMALL_LEAVES, WIDTH, WideTree, leaf_of};
 use crate::math::lanes::{Lanes, lanes_of};
 
@@ -31,7 +33,7 @@ pub(super) fn closest_of_lanes(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit
     unsafe { closest_with_features(tree, rays, hits) }
 }
 
-pub(super) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> SightLanes {
+pub(super) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> OcclusionLanes {
     // SAFETY: as above.
     unsafe { any_with_features(tree, rays) }
 }
@@ -49,12 +51,12 @@ fn closest_with_features(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit]) -> 
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt,avx512f,avx512vl,avx512bw,avx512dq")]
-fn any_with_features(tree: &WideTree, rays: &RayLanes) -> SightLanes {
+fn any_with_features(tree: &WideTree, rays: &RayLanes) -> OcclusionLanes {
     let prepared = PreparedLanes::new(tree, rays);
     let mut packet = Packet::new(tree, rays, &prepared);
     packet.walk::<true>(tree, rays.mask() as __mmask16);
     let (stopped, unsure) = (packet.stopped, packet.as_near | packet.at_start);
-    SightLanes {
+    OcclusionLanes {
         stopped: u32::from(stopped) & rays.mask(),
         unsure: u32::from(unsure & !stopped) & rays.mask(),
     }
@@ -355,9 +357,9 @@ impl<'a> Packet<'a> {
             let hit = found.get(lane);
             if ANY {
                 match traverse::look_into_leaf::<Avx2>(leaf, &prepared, hit.t) {
-                    Sight::Clear => (),
-                    Sight::Stopped => self.stopped |= 1 << lane,
-                    Sight::Unsure => self.as_near |= 1 << lane,
+                    Occlusion::Clear => (),
+                    Occlusion::Stopped => self.stopped |= 1 << lane,
+                    Occlusion::Unsure => self.as_near |= 1 << lane,
                 }
                 continue;
             }

@@ -20,8 +20,8 @@ pub enum TreeQuality {
 /// Rounds of merging neighbours before the search for them widens.
 const WIDENED_AFTER: usize = 3;
 
-/// A binary tree with one item in each leaf. Reinsertion of half the nodes makes nearly the best tree at half its time; big
-/// scenes get less of it.
+/// A binary tree with one item in each leaf. Reinsertion of half the nodes makes nearly the best
+/// tree at half its time; big scenes get less of it.
 pub(super) fn binary_tree(items: &[Aabb], quality: TreeQuality) -> BinaryTree {
     let (reach, reinserted) = match quality {
         TreeQuality::Quick => (Reach::Neighbours, 0.0),

@@ -4,10 +4,10 @@ use glam::Vec3;
 
 use super::abreast::{HitLanes, RayLanes};
 use super::build::{TreeQuality, tree_of_triangles};
-use super::hits::{Best, Crossing, Hit, Met, PackedHit, Sight};
+use super::hits::{Best, Crossing, Hit, Met, Occlusion, PackedHit};
 use super::instances::{Instances, Placement};
 use super::portable;
-use super::traverse::SightLanes;
+use super::traverse::OcclusionLanes;
 use super::wide::WideTree;
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512};
@@ -24,7 +24,8 @@ pub struct Bvh {
 
 /// Preparing sixteen rays in vectors takes as long as preparing about so many one by one.
 const FEWEST_ABREAST: u32 = 6;
-/// Taking sixteen rays through a small tree together takes as long as about so many that walk it one by one.
+/// Taking sixteen rays through a small tree together takes as long as about so many that walk it
+/// one by one.
 #[cfg(target_arch = "x86_64")]
 const FEWEST_TOGETHER: u32 = 9;
 
@@ -51,8 +52,8 @@ impl Bvh {
         Self::with_instances(triangles, &[], &[], TreeQuality::Full)
     }
 
-    /// A tree over triangles that stand in the world themselves, whose indices come first, and over meshes
-    /// (`meshes[mesh][triangle]`, in their own space) that stand there as placed.
+    /// A tree over triangles that stand in the world themselves, whose indices come first, and over
+    /// meshes (`meshes[mesh][triangle]`, in their own space) that stand there as placed.
     #[must_use]
     pub fn with_instances(
         triangles: &[[Vec3; 3]],
@@ -87,9 +88,9 @@ impl Bvh {
     #[must_use]
     pub fn is_occluded(&self, ray: &Ray) -> bool {
         match self.look(ray) {
-            Sight::Clear => false,
-            Sight::Stopped => true,
-            Sight::Unsure => {
+            Occlusion::Clear => false,
+            Occlusion::Stopped => true,
+            Occlusion::Unsure => {
                 let mut is_occluded = false;
                 self.crossings(ray, &mut |crossing| {
                     let t = crossing.hit.t;
@@ -137,9 +138,9 @@ impl Bvh {
 
     /// Whether anything is in the way of the ray before its end.
     #[inline]
-    pub(crate) fn look(&self, ray: &Ray) -> Sight {
+    pub(crate) fn look(&self, ray: &Ray) -> Occlusion {
         let sight = if self.tree.nodes.is_empty() {
-            Sight::Clear
+            Occlusion::Clear
         } else {
             match self.kernel {
                 Kernel::Portable => portable::any(&self.tree, ray),
@@ -150,7 +151,7 @@ impl Bvh {
             }
         };
         match &self.instances {
-            Some(instances) if sight != Sight::Stopped => {
+            Some(instances) if sight != Occlusion::Stopped => {
                 let inside = match self.kernel {
                     Kernel::Portable => portable::any_of_instances(instances, ray),
                     #[cfg(target_arch = "x86_64")]
@@ -158,7 +159,7 @@ impl Bvh {
                     #[cfg(target_arch = "x86_64")]
                     Kernel::Avx512 => avx2::avx512::any_of_instances(instances, ray),
                 };
-                if inside == Sight::Clear {
+                if inside == Occlusion::Clear {
                     sight
                 } else {
                     inside
@@ -209,13 +210,13 @@ impl Bvh {
     }
 
     /// Whether anything is in the way of the rays before their ends.
-    pub(crate) fn occluded(&self, rays: &RayLanes) -> SightLanes {
+    pub(crate) fn occluded(&self, rays: &RayLanes) -> OcclusionLanes {
         if !self.begins_abreast(rays) {
-            let mut lanes = SightLanes::default();
+            let mut lanes = OcclusionLanes::default();
             for lane in lanes_of(rays.mask()) {
                 let sight = self.look(&rays.get(lane));
-                lanes.stopped |= u32::from(sight == Sight::Stopped) << lane;
-                lanes.unsure |= u32::from(sight == Sight::Unsure) << lane;
+                lanes.stopped |= u32::from(sight == Occlusion::Stopped) << lane;
+                lanes.unsure |= u32::from(sight == Occlusion::Unsure) << lane;
             }
             return lanes;
         }
@@ -245,8 +246,8 @@ impl Bvh {
         self.tree.is_small() && rays.mask().count_ones() >= FEWEST_TOGETHER
     }
 
-    /// Boxes (minimum and maximum) that together hold everything that a ray could meet: those of the uppermost nodes, at
-    /// most `n_nodes` of triangles, and as many of instances.
+    /// Boxes (minimum and maximum) that together hold everything that a ray could meet: those of
+    /// the uppermost nodes, at most `n_nodes` of triangles, and as many of instances.
     #[must_use]
     pub fn boxes(&self, n_nodes: usize) -> Vec<[Vec3; 2]> {
         let mut boxes = self.tree.boxes(n_nodes);

@@ -5,8 +5,8 @@
 //! GPUs Through Compressed Wide BVHs", 3.1): `cost(n, j)` is the cheapest way to represent
 //! the subtree of n by at most j wide nodes or leaves.
 //!
-//! A big tree is cut below its root into subtrees, which are planned side by side and written side by side: what comes
-//! out depends on no thread.
+//! A big tree is cut below its root into subtrees, which are planned side by side and written side
+//! by side: what comes out depends on no thread.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -35,7 +35,8 @@ const AS_LEAF: u8 = 0;
 const AS_NODE: u8 = 1;
 /// as with one root less,
 const AS_FEWER: u8 = 2;
-/// or, above this, by as many roots as it is above in the first child's subtree and the rest in the second's.
+/// or, above this, by as many roots as it is above in the first child's subtree and the rest in the
+/// second's.
 const SPLIT: u8 = 2;
 
 /// The plan for one binary node.
@@ -55,10 +56,12 @@ struct Plan {
     second: u32,
 }
 
-/// Marks, in [`Plan::second`], where the upper part is cut: the number of the part that goes on from there.
+/// Marks, in [`Plan::second`], where the upper part is cut: the number of the part that goes on
+/// from there.
 const CUT: u32 = 1 << 31;
 
-/// Plans of a binary tree: those of its upper part, then those of the subtrees below, each part depth first.
+/// Plans of a binary tree: those of its upper part, then those of the subtrees below, each part
+/// depth first.
 struct Plans<'a> {
     binary: &'a BinaryTree,
     items: Items<'a>,
@@ -114,7 +117,8 @@ impl WideTree {
         collapse(binary, Items::Triangles(triangles), cut_levels(binary))
     }
 
-    /// Collapses a binary tree with one item in each leaf; those of the wide tree stand for the items themselves.
+    /// Collapses a binary tree with one item in each leaf; those of the wide tree stand for the
+    /// items themselves.
     pub(super) fn of_items(binary: &BinaryTree) -> Self {
         collapse(binary, Items::Others, cut_levels(binary))
     }
@@ -257,8 +261,8 @@ impl<'a> Plans<'a> {
         plans
     }
 
-    /// Plans below a binary node, depth first, in which only the way down is found. Nodes that lie as deep as `levels`
-    /// are cut off: they are added to `cuts`.
+    /// Plans below a binary node, depth first, in which only the way down is found. Nodes that lie
+    /// as deep as `levels` are cut off: they are added to `cuts`.
     fn unfinished(&self, source: u32, levels: Option<usize>, cuts: &mut Vec<u32>) -> Vec<Plan> {
         let mut plans: Vec<Plan> = Vec::new();
         let mut stack = vec![(source, None, 0)];
@@ -290,7 +294,8 @@ impl<'a> Plans<'a> {
         plans
     }
 
-    /// Finds the costs, children before parents; `below` are the parts that this one is cut off from.
+    /// Finds the costs, children before parents; `below` are the parts that this one is cut off
+    /// from.
     fn finish(&self, plans: &mut [Plan], below: &[Vec<Plan>]) {
         for index in (0..plans.len()).rev() {
             let Plan { source, second, .. } = plans[index];
@@ -358,7 +363,8 @@ impl<'a> Plans<'a> {
         })
     }
 
-    /// Visits the wide nodes of a part, each with its number and its children, which are numbered in a row.
+    /// Visits the wide nodes of a part, each with its number and its children, which are numbered
+    /// in a row.
     fn walk(&self, root: Place, mut visit: impl FnMut(usize, &[Child])) -> Extent {
         let mut extent = Extent {
             n_nodes: 1,

@@ -40,7 +40,7 @@ pub(crate) struct Met {
 /// Whether anything is in the way of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
-pub(crate) enum Sight {
+pub(crate) enum Occlusion {
     /// Nothing.
     Clear,
     /// Something.
@@ -55,7 +55,7 @@ pub(crate) enum Sight {
 #[derive(Clone, Copy)]
 pub(super) struct PackedHit(u64, u64);
 
-impl Sight {
+impl Occlusion {
     #[inline(always)]
     pub(super) fn new(is_stopped: bool, is_sure: bool) -> Self {
         if is_stopped {
@@ -198,7 +198,8 @@ impl Hit {
         self.triangle != u32::MAX
     }
 
-    /// True if a ray has this one rather than the other: it is nearer, or as near and of a lower index.
+    /// True if a ray has this one rather than the other: it is nearer, or as near and of a lower
+    /// index.
     #[inline]
     pub(super) fn is_before(&self, other: &Self) -> bool {
         self.t < other.t || (self.t == other.t && self.triangle < other.triangle)

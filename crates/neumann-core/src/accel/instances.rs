@@ -38,8 +38,8 @@ pub struct Placement {
     pub first_triangle: u32,
 }
 
-/// Room for the rounding of a transform and its inverse, relative to the size of what is transformed and its distance
-/// from the origin.
+/// Room for the rounding of a transform and its inverse, relative to the size of what is
+/// transformed and its distance from the origin.
 const BOX_PADDING: f32 = 32.0 * f32::EPSILON;
 
 impl Instances {
@@ -96,7 +96,8 @@ impl Instances {
 }
 
 impl Instance {
-    /// The ray in the mesh's space: its direction is not of unit length there, so that distances stay those of the world.
+    /// The ray in the mesh's space: its direction is not of unit length there, so that distances
+    /// stay those of the world.
     #[inline(always)]
     pub(super) fn ray_inside(&self, ray: &Ray, t_max: f32) -> Ray {
         let origin = self.mesh_from_world.transform_point3(ray.origin());

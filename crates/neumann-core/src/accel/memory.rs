@@ -8,9 +8,9 @@ const MIN_BYTES: usize = 4 << 20;
 /// Values that one task writes at least.
 const CHUNK: usize = 1 << 12;
 
-/// `n` copies of a value, in large pages where the system has them: a ray through a big tree finds most of its nodes on
-/// pages whose addresses the processor does not have at hand. On the one machine where it was measured, a virtual one, rays
-/// were as fast without.
+/// `n` copies of a value, in large pages where the system has them: a ray through a big tree finds
+/// most of its nodes on pages whose addresses the processor does not have at hand. On the one
+/// machine where it was measured, a virtual one, rays were as fast without.
 pub(super) fn in_large_pages<T: Copy + Send + Sync>(value: T, n: usize) -> Vec<T> {
     let mut values = Vec::with_capacity(n);
     #[cfg(target_os = "linux")]
@@ -37,6 +37,7 @@ fn ask_for_large_pages<T>(room: &mut [T]) {
     let whole_pages = (size_of_val(room) - skipped) / page * page;
     let start = start.wrapping_byte_add(skipped).cast();
     #[allow(unsafe_code, reason = "no crate wraps this advice safely")]
-    // SAFETY: the pages are the vector's own, and the advice changes nothing about what they hold. It may be refused.
+    // SAFETY: the pages are the vector's own, and the advice changes nothing about what they hold.
+    // It may be refused.
     let _ = unsafe { madvise(start, whole_pages, Advice::LinuxHugepage) };
 }

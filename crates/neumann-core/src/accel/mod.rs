@@ -1,13 +1,12 @@
 //! Finds what a ray meets.
 //!
 //! `build` makes a `binary` tree, by `clusters` and `reinsertion`; `collapse` makes a `wide` one of
-//! it, with nodes of eight
-//! children and leaves of four triangles; `traverse` walks it. The two tests that it asks for, of
-//! boxes and of triangles, are
-//! written over arrays for any processor (`portable`) and in vectors for those with AVX2 (`avx2`), which are compiled once more
-//! for those with AVX-512; which of the three runs is chosen when the tree is built. `instances` is for
-//! meshes that stand in the world many times. Many rays at once begin their walk in vectors (`abreast`); through a small tree they go
-//! on together (`avx512`).
+//! it, with nodes of eight children and leaves of four triangles; `traverse` walks it. The two
+//! tests that it asks for, of boxes and of triangles, are written over arrays for any processor
+//! (`portable`) and in vectors for those with AVX2 (`avx2`), which are compiled once more for those
+//! with AVX-512; which of the three runs is chosen when the tree is built. `instances` is for
+//! meshes that stand in the world many times. Many rays at once begin their walk in vectors
+//! (`abreast`); through a small tree they go on together (`avx512`).
 
 mod abreast;
 #[cfg(target_arch = "x86_64")]
@@ -32,5 +31,5 @@ pub(crate) use abreast::{HitLanes, RayLanes};
 pub use build::TreeQuality;
 pub use bvh::Bvh;
 pub use hits::Hit;
-pub(crate) use hits::Sight;
+pub(crate) use hits::Occlusion;
 pub use instances::Placement;

@@ -1,10 +1,10 @@
 //! Both tests over plain arrays, for any processor: compilers make four-wide code of it.
 
 use super::abreast::RayLanes;
-use super::hits::{Crossing, Hit, PackedHit, Sight};
+use super::hits::{Crossing, Hit, Occlusion, PackedHit};
 use super::instances::Instances;
 use super::prepared::{FAR_PADDING, Prepared};
-use super::traverse::{self, BoxHits, Kernel, LaneHits, SightLanes, decide_in_double};
+use super::traverse::{self, BoxHits, Kernel, LaneHits, OcclusionLanes, decide_in_double};
 use super::wide::{LEAF_SIZE, Leaf, Node, WIDTH, WideTree};
 use crate::math::Ray;
 
@@ -16,7 +16,7 @@ pub(super) fn closest(tree: &WideTree, ray: &Ray) -> PackedHit {
 }
 
 #[inline(never)]
-pub(super) fn any(tree: &WideTree, ray: &Ray) -> Sight {
+pub(super) fn any(tree: &WideTree, ray: &Ray) -> Occlusion {
     traverse::any::<Portable>(tree, ray)
 }
 
@@ -26,7 +26,7 @@ pub(super) fn closest_of_lanes(tree: &WideTree, rays: &RayLanes, hits: &mut [Hit
 }
 
 #[inline(never)]
-pub(super) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> SightLanes {
+pub(super) fn any_of_lanes(tree: &WideTree, rays: &RayLanes) -> OcclusionLanes {
     traverse::any_of_lanes::<Portable>(tree, rays)
 }
 
@@ -36,7 +36,7 @@ pub(super) fn closest_of_all(tree: &WideTree, instances: &Instances, ray: &Ray) 
 }
 
 #[inline(never)]
-pub(super) fn any_of_instances(instances: &Instances, ray: &Ray) -> Sight {
+pub(super) fn any_of_instances(instances: &Instances, ray: &Ray) -> Occlusion {
     traverse::any_of_instances::<Portable>(instances, ray)
 }
 

@@ -53,8 +53,8 @@ pub(super) struct WideTree {
     pub(super) is_far: bool,
 }
 
-/// Bytes of a tree from which on it pays to ask for nodes before they are visited: a core's own cache holds about as
-/// much.
+/// Bytes of a tree from which on it pays to ask for nodes before they are visited: a core's own
+/// cache holds about as much.
 const FAR_BYTES: usize = 512 << 10;
 
 /// Leaves of a tree that is small, at most; there are fewer nodes.
@@ -102,7 +102,8 @@ impl WideTree {
         ]
     }
 
-    /// Boxes (minimum and maximum) that together hold everything: the children of the `n_nodes` uppermost nodes.
+    /// Boxes (minimum and maximum) that together hold everything: the children of the `n_nodes`
+    /// uppermost nodes.
     pub(super) fn boxes(&self, n_nodes: usize) -> Vec<[Vec3; 2]> {
         let mut boxes = Vec::new();
         let mut opened: Vec<usize> = (0..self.nodes.len().min(1)).collect();
@@ -143,7 +144,8 @@ impl WideTree {
         self.leaves.len() <= SMALL_LEAVES
     }
 
-    /// True if the stack of a walk has room for the longest way down, on which all children but one wait at each node.
+    /// True if the stack of a walk has room for the longest way down, on which all children but one
+    /// wait at each node.
     pub(super) fn fits_stack(&self) -> bool {
         self.depth * (WIDTH - 1) < STACK_SIZE
     }

@@ -96,7 +96,8 @@ pub(super) fn upper(wo: Vec3, wi: Vec3) -> (Vec3, Vec3) {
     if wo.z < 0.0 { (-wo, -wi) } else { (wo, wi) }
 }
 
-/// A reflection at a visible facet, of density [`Ggx::reflected`]; `None` if it goes below the surface.
+/// A reflection at a visible facet, of density [`Ggx::reflected`]; `None` if it goes below the
+/// surface.
 #[inline]
 pub(super) fn sample_reflected(ggx: Ggx, wo: Vec3, u: [f32; 2]) -> Option<Vec3> {
     let side = 1f32.copysign(wo.z);

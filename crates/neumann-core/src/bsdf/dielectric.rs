@@ -38,8 +38,8 @@ pub struct Dielectric {
 }
 
 impl Dielectric {
-    /// True where both reflection and transmission are mirror-like; also where both sides have the same
-    /// index, so that nothing is bent and the facets do not show.
+    /// True where both reflection and transmission are mirror-like; also where both sides have the
+    /// same index, so that nothing is bent and the facets do not show.
     #[inline]
     #[must_use]
     pub fn is_delta(&self) -> bool {
@@ -67,9 +67,10 @@ impl Dielectric {
         }
     }
 
-    /// Probability to follow the reflection: its share of the light, but either way is followed one time in ten at
-    /// least. A small light seen by way of several faint reflections is found more often then, and counts less each
-    /// time; followed by its share, it would be found hardly ever, and then at its full radiance.
+    /// Probability to follow the reflection: its share of the light, but either way is followed one
+    /// time in ten at least. A small light seen by way of several faint reflections is found more
+    /// often then, and counts less each time; followed by its share, it would be found hardly ever,
+    /// and then at its full radiance.
     #[inline]
     fn p_reflect(&self, reflectance: f32) -> f32 {
         let r = reflectance * self.reflection_tint.max_channel();

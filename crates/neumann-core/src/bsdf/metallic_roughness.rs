@@ -109,7 +109,8 @@ impl MetallicRoughness {
         self.coat[0] * a + self.coat[1] * b
     }
 
-    /// Probability to sample the specular lobe, its share of the reflected light, from the table at `cos_o`.
+    /// Probability to sample the specular lobe, its share of the reflected light, from the table at
+    /// `cos_o`.
     #[inline]
     fn p_specular(&self, [a, b]: [f32; 2]) -> f32 {
         let [f0, f90] = self.specular;
@@ -227,8 +228,8 @@ mod tests {
     use crate::radiometry::Rgb;
     use crate::sampling::Sampler;
 
-    /// A white sky seen through half of all directions, by few samples of an even sequence: which lobe draws a direction
-    /// is no source of error of its own.
+    /// A white sky seen through half of all directions, by few samples of an even sequence: which
+    /// lobe draws a direction is no source of error of its own.
     #[test]
     fn lobes_share_an_even_sequence() {
         const N_SAMPLES: u32 = 16;
@@ -248,7 +249,8 @@ mod tests {
         };
         let errors = (0..N_RUNS).map(|seed| estimate(seed) - exact);
         let squared_error = errors.map(|e| e * e).sum::<f32>() / N_RUNS as f32;
-        // That of tossing a coin for each sample; 0.14 of it are left, and 0.27 with a number of its own for the lobe.
+        // That of tossing a coin for each sample; 0.14 of it are left, and 0.27 with a number of
+        // its own for the lobe.
         let of_chance = exact * exact / N_SAMPLES as f32;
         let ratio = squared_error / of_chance;
         assert!(ratio < 0.18, "{ratio}");

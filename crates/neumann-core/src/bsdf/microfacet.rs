@@ -26,8 +26,8 @@ pub struct Reflected {
     pub cos_m: f32,
     /// The BSDF over Fresnel's term, `D G2 / (4 cos_o cos_i)`, 1/sr.
     pub value: f32,
-    /// Density of the direction that visible facets reflect `wo` to, 1/sr: `D G1(wo) (wo·m) / cos_o`, times the Jacobian
-    /// `1 / (4 wo·m)` of reflection.
+    /// Density of the direction that visible facets reflect `wo` to, 1/sr: `D G1(wo) (wo·m) /
+    /// cos_o`, times the Jacobian `1 / (4 wo·m)` of reflection.
     pub pdf_w: f32,
 }
 

@@ -77,9 +77,10 @@ pub trait Scatter {
     fn eval_and_pdf_w(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
         (self.eval(wo, wi, mode), self.pdf_w(wo, wi, mode))
     }
-    /// Draws a direction, by the last two numbers; lobes share them out ([`one_of_two`]), so that the directions of all of them
-    /// together are spread as evenly as the numbers are. The first decides between reflection and transmission at the same
-    /// facet. `None` means no light this way.
+    /// Draws a direction, by the last two numbers; lobes share them out ([`one_of_two`]), so that
+    /// the directions of all of them together are spread as evenly as the numbers are. The first
+    /// decides between reflection and transmission at the same facet. `None` means no light this
+    /// way.
     ///
     /// [`one_of_two`]: crate::sampling::discrete::one_of_two
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample>;
@@ -116,7 +117,8 @@ impl Bsdf {
         }
     }
 
-    /// Roughness of what is not mirror-like, as in glTF (the root of GGX's α): 1 where there is a diffuse part.
+    /// Roughness of what is not mirror-like, as in glTF (the root of GGX's α): 1 where there is a
+    /// diffuse part.
     #[must_use]
     pub fn roughness(&self) -> f32 {
         match self {

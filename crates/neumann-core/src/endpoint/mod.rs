@@ -198,7 +198,8 @@ pub struct Aim {
     pub start: StartDensities,
     /// How the rays of the place aimed at fan out; the choice of the endpoint is not in it.
     pub spread: Spread,
-    /// Probability of choosing this endpoint to start a ray, over that of choosing it to aim at from x.
+    /// Probability of choosing this endpoint to start a ray, over that of choosing it to aim at
+    /// from x.
     pub start_over_aim: f32,
     /// How much of the surface that is aimed at is there: the probability that a ray that comes to
     /// the point meets it. It is in `value`.

@@ -15,7 +15,8 @@ use crate::transport::Tracer;
 /// First-hit features, row 0 on top.
 #[derive(Clone, Debug, Default)]
 pub struct Features {
-    /// Share of light reflected or transmitted at the first surface, 0 where the ray leaves the scene.
+    /// Share of light reflected or transmitted at the first surface, 0 where the ray leaves the
+    /// scene.
     pub albedo: Vec<Rgb>,
     /// Shading normal in world space, unit, 0 where the ray leaves the scene.
     pub normal: Vec<Vec3>,

@@ -32,8 +32,8 @@ pub struct Frame {
     width: usize,
     height: usize,
     n_layers: usize,
-    /// The tiles row by row, each with its layers, tail last, and each layer with its pixels row by row; tiles that
-    /// reach beyond the image are whole.
+    /// The tiles row by row, each with its layers, tail last, and each layer with its pixels row by
+    /// row; tiles that reach beyond the image are whole.
     values: Vec<Rgb>,
     /// What of each tile is worth reading; the rest is black, whatever `values` holds.
     lit: Vec<LitLayers>,
@@ -51,7 +51,8 @@ pub struct Frame {
     pub(crate) photons: Option<PhotonReport>,
 }
 
-/// The layers of a tile that anything was added to. Many tiles have few, and the memory of the others is never touched.
+/// The layers of a tile that anything was added to. Many tiles have few, and the memory of the
+/// others is never touched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LitLayers(u64);
 
@@ -115,8 +116,8 @@ pub(crate) struct Slot {
     pub(crate) in_tile: u32,
 }
 
-/// The pixels of a tile that lie in the image: x and y of its corner on top left, and those of the pixel
-/// beyond its corner on bottom right.
+/// The pixels of a tile that lie in the image: x and y of its corner on top left, and those of the
+/// pixel beyond its corner on bottom right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TileBounds {
     pub(crate) start: [usize; 2],
@@ -241,7 +242,8 @@ impl Frame {
         self.n_rays
     }
 
-    /// Paths that it is the mean of, of all pixels: as many as there are pixels, unless the method says otherwise.
+    /// Paths that it is the mean of, of all pixels: as many as there are pixels, unless the method
+    /// says otherwise.
     #[must_use]
     pub fn n_samples(&self) -> u64 {
         self.n_samples

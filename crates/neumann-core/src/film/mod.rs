@@ -9,7 +9,8 @@
 mod batch_means;
 pub mod contribution;
 pub mod features;
-mod film_of_frames;
+#[allow(clippy::module_inception, reason = "the room is called by what stands in it")]
+mod film;
 mod frame;
 mod means;
 pub mod techniques;
@@ -18,7 +19,7 @@ pub mod view;
 
 pub use contribution::{Contribution, Joint, Strategy};
 pub use features::Features;
-pub use film_of_frames::{Film, FilmError, Spread};
+pub use film::{Film, FilmError, Spread};
 pub use frame::{Frame, PhotonReport};
 pub(crate) use frame::{LitLayers, Slot, TILE, TILE_PIXELS, TileBounds, TileGrid, add_to_tile};
 pub use techniques::{TechniqueFilm, TechniqueImage};

@@ -1,8 +1,8 @@
 //! What each technique of a bidirectional method adds, kept apart: the pyramid of Veach's thesis.
 //!
 //! For each technique (s, t) and each merge: the mean of its contributions as they are, the mean of
-//! the same times their MIS weights, and the mean weight. It is kept at reduced resolution and only while
-//! somebody looks, since it takes [`TechniqueFilm::bytes`] of memory.
+//! the same times their MIS weights, and the mean weight. It is kept at reduced resolution and only
+//! while somebody looks, since it takes [`TechniqueFilm::bytes`] of memory.
 
 use super::{Contribution, Joint, Strategy};
 use crate::radiometry::Rgb;
@@ -108,7 +108,8 @@ impl RecordShape {
     }
 }
 
-/// Bounce by bounce, k + 3 techniques without a merge (s = 0 … k + 2), then k merges (s = 2 … k + 1).
+/// Bounce by bounce, k + 3 techniques without a merge (s = 0 … k + 2), then k merges (s = 2 … k +
+/// 1).
 fn index_of(strategy: Strategy) -> usize {
     let k = strategy.bounce() as usize;
     let first = k * k + 2 * k;
@@ -196,7 +197,8 @@ impl TechniqueFilm {
             .collect()
     }
 
-    /// One image of a technique, `[y * width + x]`, row 0 on top; empty if it has made nothing. Weights are grey.
+    /// One image of a technique, `[y * width + x]`, row 0 on top; empty if it has made nothing.
+    /// Weights are grey.
     #[must_use]
     pub fn image(&self, strategy: Strategy, image: TechniqueImage) -> Vec<Rgb> {
         let plane = self.planes.get(index_of(strategy)).and_then(Option::as_ref);
@@ -234,7 +236,8 @@ impl TechniqueFilm {
         }
     }
 
-    /// The techniques of each bounce that have made anything yet, as [`Self::techniques`], with their
+    /// The techniques of each bounce that have made anything yet, as [`Self::techniques`], with
+    /// their
     /// [`Self::share`]: all of them in the time of one.
     #[must_use]
     pub fn shares(&self) -> Vec<Vec<(Strategy, f64)>> {

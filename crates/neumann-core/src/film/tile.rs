@@ -81,7 +81,8 @@ pub(crate) struct FilmTile<'a> {
 }
 
 impl FilmTile<'_> {
-    /// Takes in an iteration: `values[layer * TILE_PIXELS + pixel]`, of which layers that are not `lit` are black, whatever they hold.
+    /// Takes in an iteration: `values[layer * TILE_PIXELS + pixel]`, of which layers that are not
+    /// `lit` are black, whatever they hold.
     pub(crate) fn take(mut self, values: &[Rgb], lit: LitLayers) {
         take(&mut self, values, lit);
     }

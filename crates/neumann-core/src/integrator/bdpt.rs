@@ -1,15 +1,15 @@
 //! Bidirectional path tracing: every way to cut a path in two, combined.
 //!
-//! A path of k + 2 vertices can be made by a light subpath of s and a camera subpath of t = k + 2 - s
-//! of them: run into an emitter (s = 0, naive path tracing), aim at a light (s = 1), connect two vertices, aim
-//! at the lens (t = 1, light tracing), run into it (t = 0). Each is good at some paths and poor at others;
-//! multiple importance sampling takes the best of all ([Veach 1997] ch. 10). The weights run along with
-//! the walks, see [`crate::integrator::bidirectional::weights`].
+//! A path of k + 2 vertices can be made by a light subpath of s and a camera subpath of t = k + 2 -
+//! s of them: run into an emitter (s = 0, naive path tracing), aim at a light (s = 1), connect two
+//! vertices, aim at the lens (t = 1, light tracing), run into it (t = 0). Each is good at some
+//! paths and poor at others; multiple importance sampling takes the best of all ([Veach 1997] ch.
+//! 10). The weights run along with the walks, see [`crate::integrator::bidirectional::weights`].
 //!
 //! Emitters seen directly are left to the camera (s = 0, t = 2).
 
 use crate::integrator::bidirectional::{
-    CameraEnd, CameraRoom, Heuristic, LightEnd, LightPath, ToLens, Weighing,
+    CameraEnd, CameraScratch, Heuristic, LightEnd, LightPath, MisWeights, ToLens,
 };
 use crate::integrator::{
     Integrator, Method, Parameter, ParameterKind, ParameterValues, PassIntegrator, Sight,
@@ -72,7 +72,7 @@ impl PassIntegrator for Bidirectional {
         let numbers = pass.light_numbers(n_paths);
         let shift = pass.light_path_shift(n_paths);
         let (camera, max_bounces) = (pass.camera(), pass.max_bounces());
-        let weighing = Weighing::connections(self.heuristic, 1.0);
+        let weighing = MisWeights::connections(self.heuristic, 1.0);
         let light = LightEnd {
             scene,
             camera,
@@ -91,9 +91,9 @@ impl PassIntegrator for Bidirectional {
             merging: None,
             weighing,
         };
-        let room = || (CameraRoom::new(scene), Vec::new(), Collected::default());
-        pass.trace_pixels_together_with(scene, room, |room, pixels, tracer, sink| {
-            let (room, kept, paths) = room;
+        let scratch = || (CameraScratch::new(scene), Vec::new(), Collected::default());
+        pass.trace_pixels_together_with(scene, scratch, |scratch, pixels, tracer, sink| {
+            let (scratch, kept, paths) = scratch;
             // As many light paths, each vertex of them aimed at the lens.
             let light_path = |(number, index): (usize, usize)| {
                 let path = (index + shift) % n_paths;
@@ -114,7 +114,7 @@ impl PassIntegrator for Bidirectional {
                 let path = (pixel.sample.index + shift) % n_paths;
                 (path as u32, paths.of_path(pixel.number()))
             };
-            camera.trace(pixels, light_path, room, tracer, sink);
+            camera.trace(pixels, light_path, scratch, tracer, sink);
         })
     }
 }

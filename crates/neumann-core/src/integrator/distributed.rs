@@ -97,12 +97,12 @@ struct Branch {
 
 /// The random numbers of a tree of rays: its scattering events in the order in which they are met,
 /// several numbers for one where it sends several rays.
-struct Events<'a> {
+struct EventNumbers<'a> {
     sampler: &'a Sampler<'a>,
     n: u32,
 }
 
-impl Events<'_> {
+impl EventNumbers<'_> {
     /// The first of the next `n` numbers of events.
     fn next(&mut self, n: u32) -> u32 {
         let first = self.n;
@@ -126,7 +126,7 @@ impl PixelIntegrator for Distributed {
         } = *shot;
         let this = *self;
         pixels.one_by_one(sink, |sample, sampler, sink| {
-            let mut events = Events { sampler, n: 0 };
+            let mut events = EventNumbers { sampler, n: 0 };
             for i in 0..this.n_lens {
                 // The position in the pixel is drawn once, the lens anew for each ray.
                 let lens = match i {
@@ -154,7 +154,7 @@ impl Distributed {
         branch: Branch,
         max_bounces: u32,
         tracer: &mut Tracer<'_>,
-        events: &mut Events<'_>,
+        events: &mut EventNumbers<'_>,
         sink: &mut PixelSink<'_>,
     ) {
         let Branch {

@@ -4,8 +4,8 @@
 //! when it ends. Where a path meets a plain diffuse surface, as most do in most scenes, it makes
 //! its step in vectors, together with the other lanes ([`crate::transport::diffuse`]); from
 //! anywhere else, by itself. Either way the step is made of the same functions and has the same
-//! bits. A sink may ask for paths one by one ([`PixelSink::is_alone`]): the same with one lane, which
-//! makes every step by itself.
+//! bits. A sink may ask for paths one by one ([`PixelSink::is_alone`]): the same with one lane,
+//! which makes every step by itself.
 
 use glam::Vec2;
 

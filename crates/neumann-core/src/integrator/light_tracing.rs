@@ -5,7 +5,7 @@
 //! importance for radiance, and pixels are found instead of chosen. It is the light end of
 //! bidirectional path tracing by itself: one technique, of weight 1.
 
-use super::bidirectional::{LightEnd, ToLens, Weighing, numbered};
+use super::bidirectional::{LightEnd, MisWeights, ToLens, numbered};
 use super::{Integrator, Method, Parameter, ParameterKind, ParameterValues, PassIntegrator, Sight};
 use crate::pass::{Cancelled, Pass};
 use crate::scene::Scene;
@@ -56,7 +56,7 @@ impl PassIntegrator for LightTracing {
             max_bounces: pass.max_bounces(),
             has_roulette: self.has_roulette,
             to_lens: ToLens::Aimed,
-            weighing: Weighing::one_technique(),
+            weighing: MisWeights::one_technique(),
         };
         let numbers = pass.light_numbers(n_paths);
         pass.trace_light_paths_together(scene, n_paths, numbers, |paths, tracer, sink| {

@@ -119,7 +119,8 @@ pub struct Method {
     pub sight: Sight,
     /// Why its expectation differs from L; `None` for an unbiased method.
     pub bias: Option<&'static str>,
-    /// Whether its paths are made by several techniques (s, t), which a [`TechniqueFilm`](crate::film::TechniqueFilm) keeps apart.
+    /// Whether its paths are made by several techniques (s, t), which a
+    /// [`TechniqueFilm`](crate::film::TechniqueFilm) keeps apart.
     pub has_techniques: bool,
     /// Its parameters.
     pub parameters: &'static [Parameter],

@@ -1,13 +1,14 @@
 //! Photon mapping, with a fixed radius (`pm`) and with one that shrinks (`ppm`).
 //!
-//! Two passes (Jensen 2001, ch. 5-7). First, photons: light paths leave a photon wherever they land on
-//! a surface that is not mirror-like. Then, like path tracing with a question to the photon map in
-//! place of the recursion: at the first hit that is rough enough, the light that scatters there is estimated from
-//! the photons around it. Mirrors, glass and sharp reflections on the way are followed as a path tracer does.
+//! Two passes (Jensen 2001, ch. 5-7). First, photons: light paths leave a photon wherever they land
+//! on a surface that is not mirror-like. Then, like path tracing with a question to the photon map
+//! in place of the recursion: at the first hit that is rough enough, the light that scatters there
+//! is estimated from the photons around it. Mirrors, glass and sharp reflections on the way are
+//! followed as a path tracer does.
 //!
-//! `pm` keeps one map for all iterations, as on the slides: its blotches do not go away. `ppm` makes a
-//! new map with a smaller radius in each iteration (the probabilistic form of Knaus and Zwicker 2011), so that
-//! the mean converges to the true image.
+//! `pm` keeps one map for all iterations, as on the slides: its blotches do not go away. `ppm`
+//! makes a new map with a smaller radius in each iteration (the probabilistic form of Knaus and
+//! Zwicker 2011), so that the mean converges to the true image.
 
 use crate::accel::Hit;
 use crate::endpoint::{Aim, LightChoice};
@@ -25,7 +26,7 @@ use crate::scene::bodies::Media;
 use crate::transport::reflection::{Drawn, aim_at_light, light_sample, start_sample};
 use crate::transport::{SurfaceVertex, Tracer, VertexSample};
 
-use super::bidirectional::{Walk, Weighing};
+use super::bidirectional::{MisWeights, Walk};
 use super::path_tracing::bsdf::MODE;
 use super::path_tracing::{add_unlit, connect, hit};
 
@@ -259,7 +260,7 @@ impl PhotonMapping {
         } else {
             pass.light_numbers(n_paths)
         };
-        let weighing = Weighing::one_technique();
+        let weighing = MisWeights::one_technique();
         let mut paths = pass.trace_light_paths(
             scene,
             n_paths,
@@ -349,8 +350,8 @@ struct Segment {
 }
 
 impl Eye<'_> {
-    /// Follows a path through mirrors, glass and sharp reflections to where the map is asked; `n_gather` rays go on
-    /// from there first.
+    /// Follows a path through mirrors, glass and sharp reflections to where the map is asked;
+    /// `n_gather` rays go on from there first.
     fn follow(
         &self,
         mut path: Segment,
@@ -564,7 +565,8 @@ fn show_photons(
     Ok(())
 }
 
-/// True if nothing but glass is between a photon and the lens; glass is looked through as if it were not there.
+/// True if nothing but glass is between a photon and the lens; glass is looked through as if it
+/// were not there.
 fn is_seen(tracer: &mut Tracer<'_>, photon: &Photon, aim: &Aim) -> bool {
     let point = photon.point();
     let ray = point.segment_to_lens(point.position + aim.wi * aim.distance);

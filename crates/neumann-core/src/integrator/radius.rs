@@ -67,10 +67,10 @@ impl Radius {
         }
     }
 
-    /// The radius of iteration number `iteration`, metres: `r = r_1 (i + 1)^((α - 1) / 2)`, which is how that of Knaus and
-    /// Zwicker 2011 shrinks in the end, and depends on the number of the iteration alone. A relative radius is a share of the
-    /// scene's radius, or of [`SEEN`] times what `camera` sees, which is less where a small thing
-    /// stands on a wide floor.
+    /// The radius of iteration number `iteration`, metres: `r = r_1 (i + 1)^((α - 1) / 2)`, which
+    /// is how that of Knaus and Zwicker 2011 shrinks in the end, and depends on the number of the
+    /// iteration alone. A relative radius is a share of the scene's radius, or of eight times
+    /// what `camera` sees, which is less where a small thing stands on a wide floor.
     #[must_use]
     pub fn at(&self, scene: &Scene, camera: &Camera, iteration: u32) -> f32 {
         let unit = if self.is_relative {

@@ -1,16 +1,19 @@
 //! Vertex connection and merging: bidirectional path tracing and photon mapping, combined.
 //!
-//! After I. Georgiev, J. Křivánek, T. Davidovič, Ph. Slusallek, Light Transport Simulation with Vertex Connection and
-//! Merging, SIGGRAPH Asia 2012, and Georgiev's implementation report of the same year, whose equation
-//! numbers stand in [`super::bidirectional::weights`]. Each iteration has two passes:
+//! After I. Georgiev, J. Křivánek, T. Davidovič, Ph. Slusallek, Light Transport Simulation with
+//! Vertex Connection and Merging, SIGGRAPH Asia 2012, and Georgiev's implementation report of the
+//! same year, whose equation numbers stand in [`super::bidirectional::weights`]. Each iteration has
+//! two passes:
 //!
 //! 1. light paths: every vertex is aimed at the lens and kept;
-//! 2. camera paths: every vertex is joined with emitters, with the vertices of one light path by a segment
-//!    (vertex connection), and with all light vertices within a radius as if they were at the same point
-//!    (vertex merging): a photon map query, seen as one more technique to sample the path.
+//! 2. camera paths: every vertex is joined with emitters, with the vertices of one light path by a
+//!    segment (vertex connection), and with all light vertices within a radius as if they were at
+//!    the same point (vertex merging): a photon map query, seen as one more technique to sample the
+//!    path.
 //!
-//! Three numbers run along with each walk, `d_vcm`, `d_vc` and `d_vm`, from which the weight of any joint
-//! follows. The radius shrinks from iteration to iteration, so that the bias of merging vanishes.
+//! Three numbers run along with each walk, `d_vcm`, `d_vc` and `d_vm`, from which the weight of any
+//! joint follows. The radius shrinks from iteration to iteration, so that the bias of merging
+//! vanishes.
 
 use crate::film::PhotonReport;
 use crate::integrator::{
@@ -23,8 +26,8 @@ use crate::transport::reflection::start_sample;
 
 use super::bdpt::{HEURISTIC, heuristic};
 use super::bidirectional::{
-    CameraEnd, CameraRoom, Heuristic, LightEnd, LightVertex, Mergeable, Merging, ToLens, Walk,
-    Weighing, numbered,
+    CameraEnd, CameraScratch, Heuristic, LightEnd, LightVertex, Mergeable, Merging, MisWeights,
+    ToLens, Walk, numbered,
 };
 use super::light_tracing::ROULETTE;
 
@@ -87,7 +90,8 @@ struct Vcm {
     grid: HashGrid<Mergeable>,
 }
 
-/// Memory that light vertices and their index may take, bytes: fewer light paths are traced where they would take more.
+/// Memory that light vertices and their index may take, bytes: fewer light paths are traced where
+/// they would take more.
 const MEMORY: usize = 1 << 30;
 /// Paths whose lengths are looked at to know how many fit.
 const PILOT: usize = 4096;
@@ -101,7 +105,7 @@ impl PassIntegrator for Vcm {
         let n_paths = self.n_light_paths(scene, pass)?;
         let radius = self.radius.at(scene, camera, pass.iteration());
         let light_paths_per_pixel = n_paths as f32 / pass.n_pixels() as f32;
-        let mut weighing = Weighing::connections(self.heuristic, light_paths_per_pixel);
+        let mut weighing = MisWeights::connections(self.heuristic, light_paths_per_pixel);
         if has_merges {
             weighing = weighing.merges(n_paths, radius, has_connections);
         }
@@ -154,13 +158,13 @@ impl PassIntegrator for Vcm {
             weighing,
         };
         let shift = pass.light_path_shift(n_paths);
-        let room = || CameraRoom::new(scene);
-        pass.trace_pixels_together_with(scene, room, |room, pixels, tracer, sink| {
+        let scratch = || CameraScratch::new(scene);
+        pass.trace_pixels_together_with(scene, scratch, |scratch, pixels, tracer, sink| {
             let light_path = |pixel: &PixelPath<'_>| {
                 let path = (pixel.sample.index + shift) % n_paths;
                 (path as u32, paths.of_path(path))
             };
-            camera.trace(pixels, light_path, room, tracer, sink);
+            camera.trace(pixels, light_path, scratch, tracer, sink);
         })
     }
 }
@@ -189,7 +193,7 @@ impl Vcm {
     /// Vertices that a light path leaves on average.
     fn mean_length(&self, scene: &Scene, pass: &mut Pass<'_>) -> Result<f64, Cancelled> {
         let (max_bounces, has_roulette) = (pass.max_bounces(), self.has_roulette);
-        let weighing = Weighing::one_technique();
+        let weighing = MisWeights::one_technique();
         let numbers = pass.fixed_light_numbers();
         let paths =
             pass.trace_light_paths(scene, PILOT, numbers, |_, tracer, sampler, _, kept| {

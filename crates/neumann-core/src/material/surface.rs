@@ -164,8 +164,8 @@ impl Material {
         self.absorption
     }
 
-    /// How the surface scatters, where nothing about it depends on texture coordinates, so that a hit need not read them; vertex
-    /// colours are left to the caller.
+    /// How the surface scatters, where nothing about it depends on texture coordinates, so that a
+    /// hit need not read them; vertex colours are left to the caller.
     #[inline]
     #[must_use]
     pub fn uniform_bsdf(&self) -> Option<&Bsdf> {

@@ -17,7 +17,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame about the unit vector `z`; the turn about it is arbitrary but continuous almost everywhere.
+    /// A frame about the unit vector `z`; the turn about it is arbitrary but continuous almost
+    /// everywhere.
     #[inline]
     #[must_use]
     pub fn from_z(z: Vec3) -> Self {

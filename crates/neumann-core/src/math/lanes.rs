@@ -1,8 +1,9 @@
 //! Many numbers side by side: the same is done for each lane, and the compiler makes vectors of it.
 //!
-//! A loop over all [`LANES`] in a [`vectorized`] function is compiled for each kind of vectors that processors
-//! have, and the longest that this one has is chosen when it runs. The loop is written for one lane, with the functions that
-//! single paths use: it has the same bits on every processor, since none of the compilations reorders or fuses anything.
+//! A loop over all [`LANES`] in a [`vectorized`] function is compiled for each kind of vectors that
+//! processors have, and the longest that this one has is chosen when it runs. The loop is written
+//! for one lane, with the functions that single paths use: it has the same bits on every processor,
+//! since none of the compilations reorders or fuses anything.
 
 use glam::Vec3;
 

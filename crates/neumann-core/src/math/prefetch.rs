@@ -1,7 +1,7 @@
 //! Asking for memory before it is needed.
 
-/// Asks for the line of memory that a value begins on, so that reading it later need not wait; does nothing where the
-/// processor has no such instruction.
+/// Asks for the line of memory that a value begins on, so that reading it later need not wait; does
+/// nothing where the processor has no such instruction.
 #[inline(always)]
 pub(crate) fn prefetch<T>(value: &T) {
     #[cfg(target_arch = "x86_64")]

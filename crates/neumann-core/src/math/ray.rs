@@ -44,8 +44,8 @@ impl Ray {
         Self::with_end(origin, direction, f32::INFINITY)
     }
 
-    /// A ray on which hits at the distance `t_max` or beyond do not count: metres, or, if the direction is not unit, as many
-    /// times its length.
+    /// A ray on which hits at the distance `t_max` or beyond do not count: metres, or, if the
+    /// direction is not unit, as many times its length.
     #[inline(always)]
     #[must_use]
     pub fn with_end(origin: Vec3, direction: Vec3, t_max: f32) -> Self {

@@ -4,7 +4,8 @@ use crate::endpoint::Camera;
 use crate::film::TileGrid;
 use crate::scene::Scene;
 
-/// Nodes of the tree whose children's boxes are looked at: more would be told apart no finer by most pictures.
+/// Nodes of the tree whose children's boxes are looked at: more would be told apart no finer by
+/// most pictures.
 const N_NODES: usize = 256;
 
 /// The tiles whose camera rays may meet a surface.

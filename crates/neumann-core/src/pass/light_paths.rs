@@ -6,8 +6,9 @@ use rayon::prelude::*;
 
 use crate::sampling::Sampler;
 
-/// The random numbers of light paths: one low-discrepancy sequence runs through all of an iteration's
-/// paths and on through the next iteration's, so that together they cover the lights evenly.
+/// The random numbers of light paths: one low-discrepancy sequence runs through all of an
+/// iteration's paths and on through the next iteration's, so that together they cover the lights
+/// evenly.
 #[derive(Clone, Copy, Debug)]
 pub struct LightNumbers {
     pub(super) seed: u64,
@@ -94,7 +95,8 @@ impl<T> Collected<T> {
 }
 
 impl<T: Copy> Collected<T> {
-    /// Sorts what `n_paths` paths left, each with the number of its path; what one path left stays in its order.
+    /// Sorts what `n_paths` paths left, each with the number of its path; what one path left stays
+    /// in its order.
     pub fn sort(&mut self, kept: &[(u32, T)], n_paths: usize) {
         self.ends.clear();
         self.ends.resize(n_paths, 0);

@@ -1,9 +1,9 @@
 //! One iteration, run in parallel and deterministically.
 //!
-//! The image is cut into tiles; each is traced by one worker, which has that part of
-//! the frame to itself. Contributions to other pixels (splats) are kept in the order
-//! of their paths and added in that order at the end. Random numbers are keyed by (seed, iteration, path), so the result
-//! does not depend on which worker traced what.
+//! The image is cut into tiles; each is traced by one worker, which has that part of the frame to
+//! itself. Contributions to other pixels (splats) are kept in the order of their paths and added in
+//! that order at the end. Random numbers are keyed by (seed, iteration, path), so the result does
+//! not depend on which worker traced what.
 
 mod cancel;
 mod coverage;
@@ -162,8 +162,9 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// How far the light path that a pixel's path is joined to is from the pixel's own number, of `n_paths` around. It changes from
-    /// one iteration to the next: the low digits of a light path's number, and with them where it begins, may be the same in all.
+    /// How far the light path that a pixel's path is joined to is from the pixel's own number, of
+    /// `n_paths` around. It changes from one iteration to the next: the low digits of a light
+    /// path's number, and with them where it begins, may be the same in all.
     #[must_use]
     pub fn light_path_shift(&self, n_paths: usize) -> usize {
         let u = Sampler::new(self.seed, u64::MAX, self.iteration).next_1d();
@@ -190,7 +191,8 @@ impl<'a> Pass<'a> {
         self.samples = samples;
     }
 
-    /// Lets each path split into so many at most; see [`PixelPath::splits`](super::PixelPath::splits).
+    /// Lets each path split into so many at most; see
+    /// [`PixelPath::splits`].
     pub fn split(&mut self, n_splits: u8) {
         self.n_splits = n_splits;
     }
@@ -224,11 +226,11 @@ impl<'a> Pass<'a> {
         self.frame.photons = Some(photons);
     }
 
-    /// Runs `paths` for each tile, to trace the paths of its pixels, once unless [`Self::sample`] says
-    /// otherwise, in whatever order; they add to their own pixels alone.
+    /// Runs `paths` for each tile, to trace the paths of its pixels, once unless [`Self::sample`]
+    /// says otherwise, in whatever order; they add to their own pixels alone.
     ///
-    /// A camera ray that meets nothing must bring the radiance from there, with weight 1: where that
-    /// is the same from everywhere, and nothing stands before it, no path is run.
+    /// A camera ray that meets nothing must bring the radiance from there, with weight 1: where
+    /// that is the same from everywhere, and nothing stands before it, no path is run.
     ///
     /// # Errors
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
@@ -244,8 +246,8 @@ impl<'a> Pass<'a> {
         )
     }
 
-    /// Runs `path` for each pixel: its place on the raster, a tracer, the path's random numbers, and
-    /// the sink; with scratch memory that each task makes once and every path of it may use.
+    /// Runs `path` for each pixel: its place on the raster, a tracer, the path's random numbers,
+    /// and the sink; with scratch memory that each task makes once and every path of it may use.
     ///
     /// # Errors
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
@@ -289,8 +291,9 @@ impl<'a> Pass<'a> {
         self.trace_tiles(scene, room, paths, None)
     }
 
-    /// Runs `path` once for each of `n_paths` light paths, which belong to no pixel: its number, a tracer, its random
-    /// numbers, and the sink; collects what each pushes to the vector it is given.
+    /// Runs `path` once for each of `n_paths` light paths, which belong to no pixel: its number, a
+    /// tracer, its random numbers, and the sink; collects what each pushes to the vector it is
+    /// given.
     ///
     /// # Errors
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
@@ -323,9 +326,9 @@ impl<'a> Pass<'a> {
         Ok(collected)
     }
 
-    /// As [`Self::trace_light_paths_together`]; collects what is kept, each with the number of its path among those handed over,
-    /// in place of what earlier paths left: taking so much memory from the system anew in every iteration would cost more than to
-    /// fill it.
+    /// As [`Self::trace_light_paths_together`]; collects what is kept, each with the number of its
+    /// path among those handed over, in place of what earlier paths left: taking so much memory
+    /// from the system anew in every iteration would cost more than to fill it.
     ///
     /// # Errors
     /// [`Cancelled`]; what was collected is of no use then.
@@ -358,8 +361,8 @@ impl<'a> Pass<'a> {
         Ok(())
     }
 
-    /// Runs `paths` for every so many of `n_paths` light paths, to trace them in whatever order it likes: with their random
-    /// numbers, a tracer and the sink.
+    /// Runs `paths` for every so many of `n_paths` light paths, to trace them in whatever order it
+    /// likes: with their random numbers, a tracer and the sink.
     ///
     /// # Errors
     /// [`Cancelled`] when the token was; the frame is then worth nothing.
@@ -381,7 +384,8 @@ impl<'a> Pass<'a> {
         )
     }
 
-    /// Runs `paths` for every so many of `n_paths` light paths, and hands what it makes to `take`, in the order of the paths.
+    /// Runs `paths` for every so many of `n_paths` light paths, and hands what it makes to `take`,
+    /// in the order of the paths.
     fn trace_chunks<'s, T, F>(
         &mut self,
         scene: &'s Scene,

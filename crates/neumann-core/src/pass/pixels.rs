@@ -40,8 +40,9 @@ impl PixelPath<'_> {
     }
 }
 
-/// The random numbers of the paths that a path may split into: they have its numbers up to its first scattering event, and from
-/// there on are spread as evenly, all together, as the numbers of paths of their own.
+/// The random numbers of the paths that a path may split into: they have its numbers up to its
+/// first scattering event, and from there on are spread as evenly, all together, as the numbers of
+/// paths of their own.
 #[derive(Clone, Copy, Debug)]
 pub struct Splits<'t> {
     numbers: &'t [TileNumbers],
@@ -81,7 +82,8 @@ pub struct Pixels<'t> {
 }
 
 impl<'t> Pixels<'t> {
-    /// All of a tile of an image of `width` pixels, with the numbers of all samples of each, and of as many paths as each may split into.
+    /// All of a tile of an image of `width` pixels, with the numbers of all samples of each, and of
+    /// as many paths as each may split into.
     pub(super) fn new(
         (numbers, n_splits): (&'t [TileNumbers], usize),
         bounds: TileBounds,
@@ -110,7 +112,8 @@ impl<'t> Pixels<'t> {
     /// The most pixels that are handed over at once.
     pub const MOST: usize = TILE_PIXELS;
 
-    /// Number among those that are handed over, and `y * width + x` in the image, of every pixel, once.
+    /// Number among those that are handed over, and `y * width + x` in the image, of every pixel,
+    /// once.
     pub fn indices(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
         let (TileBounds { start, end }, width) = (self.bounds, self.width);
         (start[1]..end[1]).flat_map(move |y| {

@@ -32,8 +32,9 @@ impl SampleCounts {
         }
     }
 
-    /// The numbers of path `index` of each pixel of a tile: paths of an iteration, and those of the next one,
-    /// follow each other in one sequence. So do the paths, `n_splits` of them, that it may split into.
+    /// The numbers of path `index` of each pixel of a tile: paths of an iteration, and those of the
+    /// next one, follow each other in one sequence. So do the paths, `n_splits` of them, that it
+    /// may split into.
     pub(super) fn numbers(
         &self,
         (tile, bounds): (usize, TileBounds),

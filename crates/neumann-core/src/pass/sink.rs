@@ -1,7 +1,8 @@
 //! Where paths leave their contributions.
 //!
-//! What belongs to a path's own pixel goes to its tile at once. The rest, splats, wait until all tasks are done, and are
-//! then added by bands of tiles, side by side, in the order of the paths: a sum depends on no thread.
+//! What belongs to a path's own pixel goes to its tile at once. The rest, splats, wait until all
+//! tasks are done, and are then added by bands of tiles, side by side, in the order of the paths: a
+//! sum depends on no thread.
 
 use std::ops::{Deref, DerefMut};
 
@@ -16,8 +17,8 @@ use crate::radiometry::Rgb;
 /// Bands that splats are sorted into, at most.
 const MAX_BANDS: usize = 64;
 
-/// Where a path leaves its contributions: to its own pixel, as a [`PixelSink`] takes them, and to any
-/// other.
+/// Where a path leaves its contributions: to its own pixel, as a [`PixelSink`] takes them, and to
+/// any other.
 pub struct Sink<'a> {
     own: PixelSink<'a>,
     splats: Vec<Splat>,
@@ -267,7 +268,8 @@ impl<'a> Sink<'a> {
         }
     }
 
-    /// Adds to the pixel that `raster` falls in, if any; raster (0, 0) is the top left corner of pixel (0, 0).
+    /// Adds to the pixel that `raster` falls in, if any; raster (0, 0) is the top left corner of
+    /// pixel (0, 0).
     #[inline]
     pub fn splat(&mut self, raster: Vec2, contribution: Contribution) {
         let value = contribution.value * (contribution.mis_weight * self.share);

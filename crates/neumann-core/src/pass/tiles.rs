@@ -1,6 +1,7 @@
 //! The paths of the pixels, tile by tile.
 //!
-//! A tile's values go where they belong in the frame, or, if the pass was given a film, into the film as soon as they are known.
+//! A tile's values go where they belong in the frame, or, if the pass was given a film, into the
+//! film as soon as they are known.
 
 use std::cell::Cell;
 

@@ -1,8 +1,9 @@
 //! Points found by place: a grid of cells as wide as twice the radius, hashed into a table.
 //!
 //! A ball of the radius meets at most 2×2×2 cells. Points of a cell lie side by side, in the order
-//! in which they were given, so that sums over them have the same bits for any number of threads. They are
-//! kept as copies, since a search that had to follow indices would wait for memory most of its time.
+//! in which they were given, so that sums over them have the same bits for any number of threads.
+//! They are kept as copies, since a search that had to follow indices would wait for memory most of
+//! its time.
 
 use std::mem::take;
 
@@ -57,8 +58,8 @@ impl Group {
 #[derive(Clone, Copy, Debug)]
 pub struct Search {
     x: Vec3,
-    /// Those of the cells that the ball meets. No two are the same: neighbours differ in their places within blocks, whatever
-    /// blocks they are in.
+    /// Those of the cells that the ball meets. No two are the same: neighbours differ in their
+    /// places within blocks, whatever blocks they are in.
     buckets: [u32; 8],
 }
 
@@ -116,8 +117,8 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
             .map(|item| self.bucket(self.cell(entry(item).position())))
             .collect_into_vec(&mut buckets);
 
-        // Counted two places behind, so that the sum up to a bucket is one behind: there it grows to the bucket's end while
-        // that is filled, which is where the next one starts.
+        // Counted two places behind, so that the sum up to a bucket is one behind: there it grows
+        // to the bucket's end while that is filled, which is where the next one starts.
         let starts = &mut self.starts;
         starts.resize(n_buckets + 2, 0);
         starts.par_chunks_mut(1 << 16).for_each(|part| part.fill(0));
@@ -190,8 +191,9 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
         self.finish(&self.begin(x), near);
     }
 
-    /// Begins a search for what is near `x`. Table, positions and entries are far away in memory: what else there is to do is best
-    /// done between this, [`Self::approach`], [`Self::finish`] and reading what was found.
+    /// Begins a search for what is near `x`. Table, positions and entries are far away in memory:
+    /// what else there is to do is best done between this, [`Self::approach`], [`Self::finish`] and
+    /// reading what was found.
     #[inline]
     #[must_use]
     pub fn begin(&self, x: Vec3) -> Search {
@@ -220,8 +222,8 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
         }
     }
 
-    /// Ends a search: adds the entries within the radius to what was found before. They are asked for, not waited for: it is best to do something else
-    /// before they are read.
+    /// Ends a search: adds the entries within the radius to what was found before. They are asked
+    /// for, not waited for: it is best to do something else before they are read.
     #[inline]
     pub fn finish(&self, search: &Search, near: &mut Vec<Near>) {
         let radius_squared = Vec4::splat(self.radius * self.radius);
@@ -246,7 +248,8 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
         }
     }
 
-    /// The entries of all buckets of a search, those of two cells side by side together where they follow each other.
+    /// The entries of all buckets of a search, those of two cells side by side together where they
+    /// follow each other.
     #[inline]
     fn ranges(&self, search: &Search) -> [(usize, usize); 8] {
         // All places in the table first, so that the memory answers them together.
@@ -269,9 +272,9 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
         floor(x * self.cells_per_metre)
     }
 
-    /// Cells come in blocks of 4×4×4 that lie side by side in the table, so that a search touches few lines of memory;
-    /// blocks are hashed as by Teschner et al. 2003, "Optimized Spatial Hashing for Collision Detection of Deformable
-    /// Objects", with the high bits folded in.
+    /// Cells come in blocks of 4×4×4 that lie side by side in the table, so that a search touches
+    /// few lines of memory; blocks are hashed as by Teschner et al. 2003, "Optimized Spatial
+    /// Hashing for Collision Detection of Deformable Objects", with the high bits folded in.
     #[inline]
     fn bucket(&self, cell: IVec3) -> u32 {
         let block: IVec3 = cell >> 2;
@@ -284,8 +287,8 @@ impl<T: Placed + Copy + Send + Sync> HashGrid<T> {
     }
 }
 
-/// The cell that a point lies in, without the calls that rounding down takes on processors as old as this program may
-/// run on.
+/// The cell that a point lies in, without the calls that rounding down takes on processors as old
+/// as this program may run on.
 #[inline]
 fn floor(x: Vec3) -> IVec3 {
     let towards_zero = x.as_ivec3();

@@ -1,8 +1,8 @@
 //! Photons: vertices of light paths, kept where they landed, and found again by place.
 //!
-//! The radiance that a surface scatters is estimated from the photons around a point,
-//! `L(x, wo) ≈ Σ f(wo, w_j) Φ_j K(|x - x_j|)` (Jensen 2001, ch. 7), with a kernel K that integrates to one
-//! over a disk.
+//! The radiance that a surface scatters is estimated from the photons around a point, `L(x, wo) ≈ Σ
+//! f(wo, w_j) Φ_j K(|x - x_j|)` (Jensen 2001, ch. 7), with a kernel K that integrates to one over a
+//! disk.
 
 mod hash_grid;
 mod kernel;
@@ -53,7 +53,8 @@ pub struct Scattered {
     pub scattering: Scattering,
 }
 
-/// Photons whose surface is turned by more than this against the surface asked are on another one: cosine.
+/// Photons whose surface is turned by more than this against the surface asked are on another one:
+/// cosine.
 const SAME_SURFACE: f32 = 0.7;
 
 impl Photon {
@@ -68,10 +69,11 @@ impl Photon {
         }
     }
 
-    /// `f(wo, w_j) Φ_j` at a point that the photon is taken to have hit, to be multiplied by a kernel; `None` if it
-    /// belongs to another surface or nothing is scattered. Power per area is irradiance under the geometric normal,
-    /// so that the BSDF's cosine with the shading normal is divided by that ([Veach 1997] 5.3).
-    /// A surface with alpha has stopped only that share of the photons, as it does of the camera's rays; it counts once.
+    /// `f(wo, w_j) Φ_j` at a point that the photon is taken to have hit, to be multiplied by a
+    /// kernel; `None` if it belongs to another surface or nothing is scattered. Power per area is
+    /// irradiance under the geometric normal, so that the BSDF's cosine with the shading normal is
+    /// divided by that ([Veach 1997] 5.3). A surface with alpha has stopped only that share of the
+    /// photons, as it does of the camera's rays; it counts once.
     #[inline]
     #[must_use]
     pub fn scattered(&self, at: &SurfaceVertex<'_>) -> Option<Scattered> {

@@ -21,13 +21,6 @@ pub fn pdf_w_from_pdf_a(pdf_a: f32, cos_at_point: f32, distance_squared: f32) ->
     pdf_a * distance_squared / cos_at_point
 }
 
-/// `G(x, y)`: both cosines over the squared distance, 1/m² ([Veach 1997] eq. 8.2, without visibility).
-#[inline]
-#[must_use]
-pub fn geometry_term(cos_at_x: f32, cos_at_y: f32, distance_squared: f32) -> f32 {
-    cos_at_x * cos_at_y / distance_squared
-}
-
 #[cfg(test)]
 mod tests {
     use super::{pdf_a_from_pdf_w, pdf_w_from_pdf_a};

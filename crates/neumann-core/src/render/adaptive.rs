@@ -1,17 +1,19 @@
 //! Adaptive sampling: more paths where the picture is noisy.
 //!
-//! An iteration has [`MEAN_COUNT`] paths a pixel on average. The first ones spread them evenly and measure the
-//! error of each tile and the rays that a path takes there. From then on a tile has paths in proportion to its error over the
-//! root of their rays: of all that trace as many rays, this has the least sum of squared errors (Cochran, Sampling Techniques, 1977,
-//! 5.5). All tiles have a share alike, since what was measured is uncertain.
+//! An iteration has [`MEAN_COUNT`] paths a pixel on average. The first ones spread them evenly and
+//! measure the error of each tile and the rays that a path takes there. From then on a tile has
+//! paths in proportion to its error over the root of their rays: of all that trace as many rays,
+//! this has the least sum of squared errors (Cochran, Sampling Techniques, 1977, 5.5). All tiles
+//! have a share alike, since what was measured is uncertain.
 //!
-//! Error is what a tone curve shows of it: the deviation of `x / (x + m)`, `m` the mean of the picture, so that a
-//! few very bright samples do not draw all others to them.
+//! Error is what a tone curve shows of it: the deviation of `x / (x + m)`, `m` the mean of the
+//! picture, so that a few very bright samples do not draw all others to them.
 //!
-//! Stopping where the error seems small enough would be biased: tiles that happen to miss something bright seem done.
-//! Here counts depend on the iterations that measure alone, and those after them have random numbers
-//! of their own: every iteration is an unbiased estimate, and so is their mean. Nor do the counts depend on where a render begins:
-//! one that goes on, or is a part to be merged, measures again.
+//! Stopping where the error seems small enough would be biased: tiles that happen to miss something
+//! bright seem done. Here counts depend on the iterations that measure alone, and those after them
+//! have random numbers of their own: every iteration is an unbiased estimate, and so is their mean.
+//! Nor do the counts depend on where a render begins: one that goes on, or is a part to be merged,
+//! measures again.
 
 use rayon::prelude::*;
 
@@ -168,7 +170,8 @@ fn values(frame: &Frame, tile: usize) -> [f32; TILE_PIXELS] {
     sums
 }
 
-/// Paths for each pixel of tiles: for all together about as many rays as [`MEAN_COUNT`] everywhere takes.
+/// Paths for each pixel of tiles: for all together about as many rays as [`MEAN_COUNT`] everywhere
+/// takes.
 fn allot(findings: &[Finding]) -> Vec<u8> {
     let share = |f: &Finding| {
         if f.error > 0.0 && f.n_rays > 0.0 {
@@ -202,7 +205,8 @@ mod tests {
         assert_eq!(counts(&[(0.5, 8.0); 3]), [MEAN_COUNT; 3]);
         // Twice the error, but for the even share: 1 + 3 · 2/3 and 1 + 3 · 4/3.
         assert_eq!(counts(&[(1.0, 9.0), (2.0, 9.0)]), [3, 5]);
-        // As much error by sixteen times the rays, a quarter of the paths: 1 + 3 · 0.85 and 1 + 3 · 3.4.
+        // As much error by sixteen times the rays, a quarter of the paths: 1 + 3 · 0.85 and 1 + 3 ·
+        // 3.4.
         assert_eq!(counts(&[(1.0, 16.0), (1.0, 1.0)]), [4, 11]);
         // Neither the one to which a firefly came nor the others get out of hand.
         let mut findings = [(0.1, 5.0); 100];

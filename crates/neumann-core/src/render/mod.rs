@@ -1,6 +1,6 @@
 //! Threads, streams and merge order: how iterations are run and collected.
 //!
-//! [`Pass`](crate::pass::Pass) runs one iteration in parallel and deterministically;
+//! [`Pass`] runs one iteration in parallel and deterministically;
 //! [`Renderer`] strings iterations together for a command; [`RenderLoop`]
 //! does so in the background for a window.
 

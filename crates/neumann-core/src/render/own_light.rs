@@ -1,11 +1,11 @@
 //! Does a scene's own light show what its camera sees?
 //!
-//! A glowing detail (the visor of a helmet, a flame in a lantern) is a light, yet
-//! leaves nearly all that is seen black. A pilot render of a few hundred pixels by
-//! the default method tells such a scene from a room lit by its lamp: the median
-//! of what a white surface would show, over the pixels that do not glow
-//! themselves. Where somebody has set up lamps (punctual lights), one pixel that they light is
-//! enough: the rest is dark because it is meant to be. It is the same on every machine, since it is a render like any other.
+//! A glowing detail (the visor of a helmet, a flame in a lantern) is a light, yet leaves nearly all
+//! that is seen black. A pilot render of a few hundred pixels by the default method tells such a
+//! scene from a room lit by its lamp: the median of what a white surface would show, over the
+//! pixels that do not glow themselves. Where somebody has set up lamps (punctual lights), one pixel
+//! that they light is enough: the rest is dark because it is meant to be. It is the same on every
+//! machine, since it is a render like any other.
 
 use std::sync::Arc;
 

@@ -80,7 +80,8 @@ pub struct Published {
     pub energy_shares: Vec<f64>,
     /// Grows when the thumbnails change.
     pub thumbnails_version: u64,
-    /// The techniques apart, renewed with the thumbnails while [`RenderLoop::record_techniques`] is on.
+    /// The techniques apart, renewed with the thumbnails while [`RenderLoop::record_techniques`] is
+    /// on.
     pub techniques: Option<Arc<TechniqueFilm>>,
 }
 
@@ -126,7 +127,8 @@ const SUMMARY_PERIOD: Duration = Duration::from_millis(250);
 const THUMBNAIL_EDGE: usize = 128;
 
 impl RenderLoop {
-    /// Starts the thread; `on_publish` is called, on that thread, after every change of the picture.
+    /// Starts the thread; `on_publish` is called, on that thread, after every change of the
+    /// picture.
     ///
     /// # Errors
     /// If the operating system gives no thread.
@@ -191,8 +193,9 @@ impl RenderLoop {
         }
     }
 
-    /// Begins or ends keeping techniques apart, at full resolution of the ladder; what was kept before is
-    /// dropped. It costs time and memory ([`TechniqueFilm::bytes`]), so it is for as long as somebody looks.
+    /// Begins or ends keeping techniques apart, at full resolution of the ladder; what was kept
+    /// before is dropped. It costs time and memory ([`TechniqueFilm::bytes`]), so it is for as long
+    /// as somebody looks.
     pub fn record_techniques(&self, is_on: bool) {
         self.shared.control().is_recording = is_on;
     }
@@ -212,8 +215,9 @@ impl RenderLoop {
         self.shared.wake.notify_all();
     }
 
-    /// Goes on with the same scene over a better tree, from the next iteration on; nothing is begun anew, since no bit of the
-    /// picture depends on it. Does nothing while something else is rendered than `scene`.
+    /// Goes on with the same scene over a better tree, from the next iteration on; nothing is begun
+    /// anew, since no bit of the picture depends on it. Does nothing while something else is
+    /// rendered than `scene`.
     pub fn improve_scene(&self, scene: &Arc<Scene>, better: &Arc<Scene>) {
         let mut control = self.shared.control();
         if let Some(job) = &mut control.job
@@ -314,7 +318,8 @@ struct Pace {
     seconds_per_pixel: f64,
 }
 
-/// Seconds for a pixel of a method that has not been seen at work: the ladder is climbed from far down.
+/// Seconds for a pixel of a method that has not been seen at work: the ladder is climbed from far
+/// down.
 const SLOWEST_PACE: f64 = 1e-5;
 
 /// One job on its way up the ladder and on.
@@ -482,8 +487,8 @@ impl Climb {
     }
 }
 
-/// So that the longer edge of a technique's image has at most [`THUMBNAIL_EDGE`] pixels: then all of
-/// them take 46 MB at 16:9 and 8 layers.
+/// So that the longer edge of a technique's image has at most [`THUMBNAIL_EDGE`] pixels: then all
+/// of them take 46 MB at 16:9 and 8 layers.
 fn technique_divisor(settings: &RenderSettings) -> usize {
     settings.width.max(settings.height).div_ceil(THUMBNAIL_EDGE)
 }

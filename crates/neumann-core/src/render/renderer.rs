@@ -117,9 +117,10 @@ impl Renderer {
         Ok(&self.frame)
     }
 
-    /// Runs the next iteration, to be added to `film`: the same bits as [`Self::iterate`] and [`Film::add`], in less time. Where a method
-    /// lets it, each tile of the next film is made as soon as its paths have been traced, from that of `film`; so films are two in turn, and
-    /// what is kept in `film` may be looked at meanwhile.
+    /// Runs the next iteration, to be added to `film`: the same bits as [`Self::iterate`] and
+    /// [`Film::add`], in less time. Where a method lets it, each tile of the next film is made as
+    /// soon as its paths have been traced, from that of `film`; so films are two in turn, and what
+    /// is kept in `film` may be looked at meanwhile.
     ///
     /// # Errors
     /// [`Cancelled`] if the token was; the same iteration is run again next time.

@@ -1,10 +1,10 @@
 //! One iteration once more, to see by which paths light has come to some pixels.
 //!
-//! Random numbers belong to paths, so any path can be walked again. A replay runs the iteration with
-//! paths that walk alone, and an observer at each sink writes down what arrives at the pixels that
-//! are asked for, with the path that brought it. Where a camera path is joined to light paths, these
-//! are known after that; a second run keeps them whole. Methods whose paths add to their own pixel
-//! alone walk the paths of those pixels only.
+//! Random numbers belong to paths, so any path can be walked again. A replay runs the iteration
+//! with paths that walk alone, and an observer at each sink writes down what arrives at the pixels
+//! that are asked for, with the path that brought it. Where a camera path is joined to light paths,
+//! these are known after that; a second run keeps them whole. Methods whose paths add to their own
+//! pixel alone walk the paths of those pixels only.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;

@@ -3,11 +3,11 @@
 /// The largest number below 1.
 const BELOW_ONE: f32 = 1.0 - 0.5 * f32::EPSILON;
 
-/// One of two, true with probability `p`, by a number in [0, 1); and what is left of that number: uniform in [0, 1) again,
-/// whichever of the two it is.
+/// One of two, true with probability `p`, by a number in [0, 1); and what is left of that number:
+/// uniform in [0, 1) again, whichever of the two it is.
 ///
-/// What both go on to draw by it is spread as evenly, both together, as the number was. A number of its own for the
-/// choice would take points out of an even pattern at random.
+/// What both go on to draw by it is spread as evenly, both together, as the number was. A number of
+/// its own for the choice would take points out of an even pattern at random.
 #[inline]
 #[must_use]
 pub fn one_of_two(u: f32, p: f32) -> (bool, f32) {

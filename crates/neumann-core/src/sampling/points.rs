@@ -100,9 +100,9 @@ fn mix_32(mut x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// The Laine-Karras permutation with the constants of [Burley 2020]: every bit is flipped depending on the
-/// bits below it. On reversed bits that is a nested uniform (Owen) scrambling: of a binary fraction, or, as
-/// a shuffle, of an index.
+/// The Laine-Karras permutation with the constants of [Burley 2020]: every bit is flipped depending
+/// on the bits below it. On reversed bits that is a nested uniform (Owen) scrambling: of a binary
+/// fraction, or, as a shuffle, of an index.
 #[inline]
 fn laine_karras(mut x: u32, seed: u32) -> u32 {
     x = x.wrapping_add(seed);

@@ -1,13 +1,15 @@
 //! Counter-based random numbers: any path can be replayed alone.
 //!
-//! A number is a pure function of (seed, path, iteration, dimension). For a
-//! fixed path, the iterations run through Sobol's sequence, scrambled by nested uniform
-//! (Owen) scrambling with a hash ([Burley 2020]). What the camera (or the light) and the first two bounces
-//! draw are dimensions of one such sequence, so that the iterations cover their whole space evenly; the dimensions
-//! of later bounces are padded: each pair is a shuffled copy of its own of the first two, a (0,2)-sequence.
-//! The pixels of a tile share their points, each moved by a shift of its own ([`TileNumbers`]).
+//! A number is a pure function of (seed, path, iteration, dimension). For a fixed path, the
+//! iterations run through Sobol's sequence, scrambled by nested uniform (Owen) scrambling with a
+//! hash ([Burley 2020]). What the camera (or the light) and the first two bounces draw are
+//! dimensions of one such sequence, so that the iterations cover their whole space evenly; the
+//! dimensions of later bounces are padded: each pair is a shuffled copy of its own of the first
+//! two, a (0,2)-sequence. The pixels of a tile share their points, each moved by a shift of its own
+//! ([`TileNumbers`]).
 //!
-//! Four pairs, about what one bounce needs, are made at once, in vectors where the processor has them.
+//! Four pairs, about what one bounce needs, are made at once, in vectors where the processor has
+//! them.
 
 use super::points::{BLOCKS_PER_BOUNCE, mix, path_key, scrambled_point};
 use super::sobol::N_PAIRS;
@@ -54,8 +56,8 @@ impl<'a> Sampler<'a> {
         Self::of_key(path_key(seed, path), iteration)
     }
 
-    /// Element number `index` of one sequence that many paths share: what one path draws stratifies what the
-    /// others draw, over as many of them as there are.
+    /// Element number `index` of one sequence that many paths share: what one path draws stratifies
+    /// what the others draw, over as many of them as there are.
     #[inline]
     #[must_use]
     pub fn of_sequence(seed: u64, index: u64) -> Self {
@@ -168,8 +170,9 @@ mod tests {
 
     #[test]
     fn dimensions_of_different_bounces_are_stratified_together() {
-        // Of 256 points, the first dimensions of the camera's block and of the next two bounces' have one or two
-        // in each of 4×4×4 cells of three times four on average, where padded ones would leave some out.
+        // Of 256 points, the first dimensions of the camera's block and of the next two bounces'
+        // have one or two in each of 4×4×4 cells of three times four on average, where padded ones
+        // would leave some out.
         for key in 0..20 {
             let mut counts = [0u32; 64];
             for i in 0..256 {

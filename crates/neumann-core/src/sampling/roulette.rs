@@ -2,22 +2,24 @@
 
 use crate::radiometry::Rgb;
 
-/// Scattering events that a path goes through before they may end it, unless it carries very little. Ending paths costs
-/// noise in the bounces beyond and saves their time: on a Cornell box, three free events are where time to a given error is
-/// shortest.
+/// Scattering events that a path goes through before they may end it, unless it carries very
+/// little. Ending paths costs noise in the bounces beyond and saves their time: on a Cornell box,
+/// three free events are where time to a given error is shortest.
 const N_FREE: u32 = 3;
-/// They end none that carries at least this share of what it started with. A path that carries less has met something dark, or gone where many
-/// are sent and few are of worth: a Cornell box with glass takes a tenth less time to the same error than if it were let go.
+/// They end none that carries at least this share of what it started with. A path that carries less
+/// has met something dark, or gone where many are sent and few are of worth: a Cornell box with
+/// glass takes a tenth less time to the same error than if it were let go.
 const LITTLE: f32 = 0.125;
 
-/// Decides whether a path goes on from a scattering event, by one number: the factor by which its throughput grows if
-/// it does (at least 1), `None` where it ends.
+/// Decides whether a path goes on from a scattering event, by one number: the factor by which its
+/// throughput grows if it does (at least 1), `None` where it ends.
 ///
-/// `n_before` are the events before this one, and `throughput` is what remains beyond it, relative to `1` at the path's
-/// start. Nothing is to be decided at a delta lobe: glass takes little from a path, and a caustic would be played for at
-/// each of its surfaces. Whether these events count, the caller says. Where camera paths alone can find a
-/// caustic, they should not: what lies behind glass carries as much as what lies before it (a Cornell box with
-/// glass: a tenth less time to the same error). Where light paths find it, they may: it costs nothing and saves some time.
+/// `n_before` are the events before this one, and `throughput` is what remains beyond it, relative
+/// to `1` at the path's start. Nothing is to be decided at a delta lobe: glass takes little from a
+/// path, and a caustic would be played for at each of its surfaces. Whether these events count, the
+/// caller says. Where camera paths alone can find a caustic, they should not: what lies behind
+/// glass carries as much as what lies before it (a Cornell box with glass: a tenth less time to the
+/// same error). Where light paths find it, they may: it costs nothing and saves some time.
 #[inline]
 pub fn play(n_before: u32, throughput: Rgb, number: f32) -> Option<f32> {
     let survival = survival_after(n_before, throughput);
@@ -33,9 +35,10 @@ pub(crate) fn survival_after(n_before: u32, throughput: Rgb) -> f32 {
 
 /// Probability to go on for a path of the given throughput, relative to `1` at its start.
 ///
-/// Its root: where what a path finds varies as much as its mean, a probability proportional to the root of the
-/// second moment over the cost is the most efficient (Bolin and Meyer 1997; Rath et al. 2022, "EARS"); bounces
-/// that are looked at one by one keep more of their paths than the throughput itself would leave them.
+/// Its root: where what a path finds varies as much as its mean, a probability proportional to the
+/// root of the second moment over the cost is the most efficient (Bolin and Meyer 1997; Rath et al.
+/// 2022, "EARS"); bounces that are looked at one by one keep more of their paths than the
+/// throughput itself would leave them.
 #[inline(always)]
 fn survival(throughput: Rgb) -> f32 {
     throughput.max_channel().max(0.0).sqrt().clamp(0.05, 1.0)

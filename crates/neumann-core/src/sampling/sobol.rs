@@ -1,22 +1,23 @@
-//! Matrices of Sobol's sequence, with the direction numbers of Joe and Kuo 2008, "Constructing Sobol' Sequences with
-//! Better Two-Dimensional Projections" (their list `new-joe-kuo-6`).
+//! Matrices of Sobol's sequence, with the direction numbers of Joe and Kuo 2008, "Constructing
+//! Sobol' Sequences with Better Two-Dimensional Projections" (their list `new-joe-kuo-6`).
 
 /// Pairs of numbers that are made at once.
 pub(super) const N_PAIRS: usize = 4;
 
-/// A point of a block, the bits of its coordinates reversed: the first half of the lanes are the first dimensions of the
-/// block's pairs, the second half their second.
+/// A point of a block, the bits of its coordinates reversed: the first half of the lanes are the
+/// first dimensions of the block's pairs, the second half their second.
 pub(super) type Point = [u32; 2 * N_PAIRS];
 
-/// The matrices of a block: `digits[i][d]` is what digit number i of an index, to the base 16, adds to a point if it is d.
-/// Sums modulo 2 of the columns of the matrices.
+/// The matrices of a block: `digits[i][d]` is what digit number i of an index, to the base 16, adds
+/// to a point if it is d. Sums modulo 2 of the columns of the matrices.
 pub(super) type Digits = [[Point; 16]; 8];
 
 /// Blocks whose dimensions belong to one sequence: the camera's and those of the first two bounces.
 pub(super) const N_JOINT_BLOCKS: usize = 3;
 
-/// Which pair of dimensions each pair of a block is. Low dimensions are the better spread, so they go to what varies
-/// an image most: position in the pixel, direction of the first bounce, places on the lights.
+/// Which pair of dimensions each pair of a block is. Low dimensions are the better spread, so they
+/// go to what varies an image most: position in the pixel, direction of the first bounce, places on
+/// the lights.
 const PAIRS: [[usize; N_PAIRS]; N_JOINT_BLOCKS] = [[0, 7, 10, 11], [1, 8, 5, 2], [4, 9, 6, 3]];
 
 const N_DIMENSIONS: usize = 2 * N_PAIRS * N_JOINT_BLOCKS;
@@ -51,8 +52,8 @@ const DIMENSIONS: [(u32, &[u32]); N_DIMENSIONS] = [
 
 static DIGITS: [Digits; N_JOINT_BLOCKS] = all_digits();
 
-/// The matrices of a block, if its dimensions belong to the one sequence: the first block of the camera and of
-/// the first bounces does.
+/// The matrices of a block, if its dimensions belong to the one sequence: the first block of the
+/// camera and of the first bounces does.
 #[inline]
 pub(super) fn digits(block: u32, blocks_per_bounce: u32) -> Option<&'static Digits> {
     if block.is_multiple_of(blocks_per_bounce) {
@@ -145,7 +146,8 @@ mod tests {
 
     #[test]
     fn every_dimension_is_stratified() {
-        // Any 4096 indices in a row that begin at a multiple of as many have one point in each of 4096 cells.
+        // Any 4096 indices in a row that begin at a multiple of as many have one point in each of
+        // 4096 cells.
         for digits in &DIGITS {
             for lane in 0..2 * N_PAIRS {
                 for first in [0u32, 4096, 0xabcd_e000] {

@@ -1,20 +1,22 @@
-//! The random numbers of a tile of pixels: all have the same points, each moved by a shift of its own.
+//! The random numbers of a tile of pixels: all have the same points, each moved by a shift of its
+//! own.
 //!
-//! Points of a scrambled Sobol' sequence stay one when the digits of all of them are shifted alike (added modulo 2):
-//! for each pixel the iterations are spread as evenly as if it had a scrambling to itself, but the points are made once
-//! for a tile.
+//! Points of a scrambled Sobol' sequence stay one when the digits of all of them are shifted alike
+//! (added modulo 2): for each pixel the iterations are spread as evenly as if it had a scrambling
+//! to itself, but the points are made once for a tile.
 //!
-//! The shifts of the camera's numbers and of those of the first two bounces are spread over squares of 2×2, 4×4 … 16×16
-//! pixels: each dimension has one shift in each of as many equal parts of [0, 1), and each pair of dimensions
-//! one in each of as many equal cells of [0, 1)². What neighbours get wrong, they get wrong in different directions, and
-//! the eye, which averages over neighbours, sees less of it in the first iterations. (The hierarchical ordering of
-//! pixels of Ahmed and Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error".) Where bounces come
+//! The shifts of the camera's numbers and of those of the first two bounces are spread over squares
+//! of 2×2, 4×4 … 16×16 pixels: each dimension has one shift in each of as many equal parts of [0,
+//! 1), and each pair of dimensions one in each of as many equal cells of [0, 1)². What neighbours
+//! get wrong, they get wrong in different directions, and the eye, which averages over neighbours,
+//! sees less of it in the first iterations. (The hierarchical ordering of pixels of Ahmed and Wonka
+//! 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error".) Where bounces come
 //! later, the shift is random for each pixel.
 //!
-//! What a set of few points gets wrong is a sum of Walsh functions, and a shift multiplies each of them by its value
-//! there. So every pair orders the pixels by itself, at random in every square. Pairs in one order, such as that
-//! of a Z-curve, flip their first digits together from row to row: their common Walsh functions stay as they are,
-//! and show as rows.
+//! What a set of few points gets wrong is a sum of Walsh functions, and a shift multiplies each of
+//! them by its value there. So every pair orders the pixels by itself, at random in every square.
+//! Pairs in one order, such as that of a Z-curve, flip their first digits together from row to row:
+//! their common Walsh functions stay as they are, and show as rows.
 
 use std::sync::LazyLock;
 
@@ -65,8 +67,9 @@ static SHIFTS: LazyLock<Box<[Shifts; N_ARRANGEMENTS]>> = LazyLock::new(|| {
     all
 });
 
-/// The number of pixel (x, y) of a tile in an order in which the pixels of each square of 2ᵏ×2ᵏ follow each other,
-/// and which is otherwise random: in each square, a permutation of the quadrants.
+/// The number of pixel (x, y) of a tile in an order in which the pixels of each square of 2ᵏ×2ᵏ
+/// follow each other, and which is otherwise random: in each square, a permutation of the
+/// quadrants.
 fn order(key: u64, x: usize, y: usize) -> u32 {
     (0..EDGE.ilog2()).fold(0, |below, level| {
         let quadrant = x >> level & 1 | (y >> level & 1) << 1;
@@ -105,8 +108,8 @@ impl TileNumbers {
         Self::split(seed, iteration, (0, 1), x, y, max_bounces)
     }
 
-    /// As [`Self::new`], for path number `i` of `(i, n)` that have one camera ray in common: from there on, their numbers and those of
-    /// the next iterations follow each other in the sequence.
+    /// As [`Self::new`], for path number `i` of `(i, n)` that have one camera ray in common: from
+    /// there on, their numbers and those of the next iterations follow each other in the sequence.
     #[must_use]
     pub fn split(
         seed: u64,
@@ -187,8 +190,9 @@ impl Pixel<'_> {
         point
     }
 
-    /// The same for the first block of a bounce (the camera's counts as number 0), for whoever goes from paths at one bounce to paths
-    /// at another: which of the two shifts it is, no processor can predict then, so both are found.
+    /// The same for the first block of a bounce (the camera's counts as number 0), for whoever goes
+    /// from paths at one bounce to paths at another: which of the two shifts it is, no processor
+    /// can predict then, so both are found.
     #[inline(always)]
     pub(super) fn first_point(&self, key: u64, bounce: u32) -> Point {
         let block = bounce * BLOCKS_PER_BOUNCE;

@@ -20,8 +20,8 @@ pub fn disk(u: [f32; 2]) -> Vec2 {
 #[inline(always)]
 fn disk_and_radius(u: [f32; 2]) -> (Vec2, f32) {
     let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
-    // The angle from the nearer axis is at most an eighth of a turn. Which axis that is no processor can
-    // predict, so it is chosen without a branch.
+    // The angle from the nearer axis is at most an eighth of a turn. Which axis that is no
+    // processor can predict, so it is chosen without a branch.
     let is_near_x = a.abs() > b.abs();
     let (r, across) = (select(is_near_x, a, b), select(is_near_x, b, a));
     let (sin, cos) = sin_cos_of_octant(FRAC_PI_4 * (across / if r == 0.0 { 1.0 } else { r }));
@@ -38,9 +38,6 @@ fn sin_cos_of_octant(x: f32) -> (f32, f32) {
     let cos = ((2.443_315_7e-5 * z - 1.388_731_6e-3) * z + 4.166_664_6e-2) * z * z - 0.5 * z + 1.0;
     (sin, cos)
 }
-
-/// Density of [`disk`] per area, in the units of a disk of radius 1.
-pub const DISK_PDF_A: f32 = FRAC_1_PI;
 
 /// Uniform on the hemisphere z ≥ 0 (GI Compendium 34).
 #[inline]

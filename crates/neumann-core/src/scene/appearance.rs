@@ -9,7 +9,8 @@ use super::description::{
 /// Materials, lights and environment of a scene, and how bright each light is.
 #[derive(Clone, Debug)]
 pub struct Appearance {
-    /// Materials; those with emission are lights. The last one is the default of meshes without one.
+    /// Materials; those with emission are lights. The last one is the default of meshes without
+    /// one.
     pub materials: Vec<MaterialDescription>,
     /// Punctual lights.
     pub lights: Vec<LightDescription>,

@@ -14,8 +14,8 @@ use crate::accel::{Bvh, TreeQuality};
 /// Coordinates beyond this overflow in single precision when squared and multiplied.
 const LARGEST_COORDINATE: f32 = 1e9;
 
-/// A mesh is kept once, with a tree of its own, where putting all its copies into the one tree would take so many triangles
-/// more; one tree is faster.
+/// A mesh is kept once, with a tree of its own, where putting all its copies into the one tree
+/// would take so many triangles more; one tree is faster.
 const LEAST_SHARED_TRIANGLES: usize = 200_000;
 
 /// Copies of all meshes together come to so many triangles at most.
@@ -208,7 +208,8 @@ fn bounds_of(points: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {
     })
 }
 
-/// True if rays can be taken into the instance and back, and the box around it is where rays are exact enough.
+/// True if rays can be taken into the instance and back, and the box around it is where rays are
+/// exact enough.
 fn is_sound(placement: &MeshPlacement, low: Vec3, high: Vec3) -> bool {
     placement.world_from_mesh.is_finite()
         && placement.world_from_mesh.inverse().is_finite()

@@ -1,7 +1,8 @@
 //! Mirrors and glass, as that which casts caustics.
 //!
-//! A diffuse surface that is lit by way of a mirror or smooth glass can only be rendered by camera paths that happen
-//! to leave it for one of them. Where these things are is known, so more paths may be sent there.
+//! A diffuse surface that is lit by way of a mirror or smooth glass can only be rendered by camera
+//! paths that happen to leave it for one of them. Where these things are is known, so more paths
+//! may be sent there.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -31,7 +32,8 @@ impl Caster {
     pub const MAX: usize = 4;
 }
 
-/// The largest meshes that are mirrors or smooth glass all over, those aside that are nearly the scene itself, if there are lights that paths may meet by way of them.
+/// The largest meshes that are mirrors or smooth glass all over, those aside that are nearly the
+/// scene itself, if there are lights that paths may meet by way of them.
 pub(super) fn casters(geometry: &Geometry, materials: &[Material], lights: &Lights) -> Vec<Caster> {
     // A sky of one radiance is found by whatever leaves the scene.
     let is_even = lights.uniform_environment().is_some();
@@ -81,7 +83,8 @@ fn sphere_about(arrays: &MeshArrays) -> Caster {
     Caster { center, radius }
 }
 
-/// The sphere about a mesh, where it stands in the world. A mesh that is sheared may stand out of it a little.
+/// The sphere about a mesh, where it stands in the world. A mesh that is sheared may stand out of
+/// it a little.
 fn placed(mesh: &PlacedMesh, sphere: &Caster) -> Caster {
     let Some(placement) = &mesh.placement else {
         return *sphere;

@@ -216,7 +216,8 @@ pub struct MaterialDescription {
     pub transmission_texture: Option<TextureDescription>,
     /// `KHR_materials_volume`; `None` when thin-walled (absent, or thickness 0).
     pub volume: Option<VolumeDescription>,
-    /// `KHR_materials_unlit`: shows its base colour as emitted radiance, scatters nothing, lights nothing.
+    /// `KHR_materials_unlit`: shows its base colour as emitted radiance, scatters nothing, lights
+    /// nothing.
     pub is_unlit: bool,
 }
 

@@ -13,7 +13,8 @@ use crate::math::triangle::point_between;
 /// All triangles of a scene.
 #[derive(Debug)]
 pub struct Geometry {
-    /// Those that stand in the world by themselves, then instances, both in the order of their triangles.
+    /// Those that stand in the world by themselves, then instances, both in the order of their
+    /// triangles.
     pub(super) meshes: Vec<PlacedMesh>,
     /// `facets[triangle]` of the meshes that stand in the world by themselves.
     pub(super) facets: Vec<Facet>,
@@ -262,7 +263,8 @@ impl Geometry {
     }
 }
 
-/// A tree over meshes that stand in the world by themselves and, from `first_instance` on, instances of shared ones.
+/// A tree over meshes that stand in the world by themselves and, from `first_instance` on,
+/// instances of shared ones.
 pub(super) fn tree(meshes: &[PlacedMesh], first_instance: usize, quality: TreeQuality) -> Bvh {
     let (single, instances) = meshes.split_at(first_instance);
     let mut triangles = Vec::with_capacity(single.iter().map(|m| m.arrays.triangles.len()).sum());
@@ -313,7 +315,8 @@ impl PlacedMesh {
         }
     }
 
-    /// The normal interpolated between three vertices, world space, not unit; `None` without normals.
+    /// The normal interpolated between three vertices, world space, not unit; `None` without
+    /// normals.
     #[inline]
     #[must_use]
     pub fn normal(&self, vertices: [usize; 3], b: [f32; 2]) -> Option<Vec3> {
@@ -325,7 +328,8 @@ impl PlacedMesh {
         })
     }
 
-    /// The tangent interpolated between three vertices, world space, not unit; `None` without tangents.
+    /// The tangent interpolated between three vertices, world space, not unit; `None` without
+    /// tangents.
     #[must_use]
     pub fn tangent(&self, vertices: [usize; 3], b: [f32; 2]) -> Option<Vec4> {
         let tangents = self.arrays.tangents.as_ref()?;

@@ -7,7 +7,6 @@
 mod appearance;
 pub mod bodies;
 mod build;
-mod built;
 pub mod builtin;
 mod casters;
 pub mod description;
@@ -15,11 +14,13 @@ pub mod geometry;
 mod lighting;
 pub mod load;
 mod progress;
+#[allow(clippy::module_inception, reason = "the room is called by what stands in it")]
+mod scene;
 mod sky;
 
 pub use appearance::{Appearance, Backs, Level};
-pub use built::{BetterTree, Scene, Statistics};
 pub use builtin::open;
 pub use casters::Caster;
 pub use progress::{OpeningProgress, OpeningStep};
+pub use scene::{BetterTree, Scene, Statistics};
 pub use sky::{Sky, SkyChoice};

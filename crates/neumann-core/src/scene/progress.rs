@@ -26,7 +26,8 @@ const WHOLE: f32 = 10_000.0;
 impl OpeningStep {
     const ALL: [Self; 4] = [Self::File, Self::Meshes, Self::Placing, Self::Tree];
 
-    /// Which share of the way is behind when the step begins: what it takes for five million triangles.
+    /// Which share of the way is behind when the step begins: what it takes for five million
+    /// triangles.
     fn start(self) -> f32 {
         match self {
             Self::File => 0.0,

@@ -1,9 +1,11 @@
 //! Directions towards mirrors and glass, beside those of the BSDF.
 //!
-//! A caustic is light that reached a diffuse surface by way of something mirror-like, its caster. The BSDF
-//! of the surface sends few paths there. So a share of them is drawn from the cones that casters fill, seen from the
-//! vertex, and the rest from the BSDF. Photons are sent to such things by projection maps (Jensen 2001, ch. 5); a mixture with the
-//! density that there was makes it safe ("defensive" sampling, Hesterberg 1995). The density of a direction is that of the mixture, whichever of the two has drawn it.
+//! A caustic is light that reached a diffuse surface by way of something mirror-like, its caster.
+//! The BSDF of the surface sends few paths there. So a share of them is drawn from the cones that
+//! casters fill, seen from the vertex, and the rest from the BSDF. Photons are sent to such things
+//! by projection maps (Jensen 2001, ch. 5); a mixture with the density that there was makes it safe
+//! ("defensive" sampling, Hesterberg 1995). The density of a direction is that of the mixture,
+//! whichever of the two has drawn it.
 
 use std::f32::consts::{FRAC_1_PI, TAU};
 
@@ -23,8 +25,8 @@ use crate::scene::Caster;
 
 /// The share of a vertex's paths that casters have between them, at most.
 const MAX_SHARE: f32 = 0.25;
-/// Density within a cone, in units of the largest that a diffuse surface has: at most this, so that what is
-/// small and far away does not draw more than it may be worth,
+/// Density within a cone, in units of the largest that a diffuse surface has: at most this, so that
+/// what is small and far away does not draw more than it may be worth,
 const MAX_DENSITY: f32 = 16.0 * FRAC_1_PI;
 /// and at least this, or the BSDF does as well.
 const MIN_DENSITY: f32 = 0.25 * FRAC_1_PI;
@@ -69,8 +71,8 @@ impl Cone {
         }
     }
 
-    /// The density that it gives a unit direction, 1/sr. The angle is measured by the chord, since cosines of small
-    /// angles are all nearly 1.
+    /// The density that it gives a unit direction, 1/sr. The angle is measured by the chord, since
+    /// cosines of small angles are all nearly 1.
     #[inline(always)]
     fn density(&self, wi: Vec3) -> f32 {
         let is_within = 0.5 * (wi - self.axis).length_squared() <= self.height;
@@ -78,7 +80,8 @@ impl Cone {
     }
 }
 
-/// The cone that a direction is drawn from: the one of which the share, behind those before it, holds a number.
+/// The cone that a direction is drawn from: the one of which the share, behind those before it,
+/// holds a number.
 #[derive(Clone, Copy, Debug, Default)]
 struct Choice {
     axis: Vec3,
@@ -110,8 +113,8 @@ impl Choice {
     }
 }
 
-/// Uniform in the cone about an axis of which 1 less the cosine of the half-angle is `height`: a point of the disk,
-/// lifted to the sphere so that areas stay in proportion.
+/// Uniform in the cone about an axis of which 1 less the cosine of the half-angle is `height`: a
+/// point of the disk, lifted to the sphere so that areas stay in proportion.
 #[inline(always)]
 fn in_cone(axis: Vec3, height: f32, u: [f32; 2]) -> Vec3 {
     let p = warp::disk(u);
@@ -130,7 +133,8 @@ pub struct Cones {
 }
 
 impl Cones {
-    /// What a vertex sees of casters, up to [`Caster::MAX`]; `None` if there are none, or its BSDF has no diffuse part.
+    /// What a vertex sees of casters, up to [`Caster::MAX`]; `None` if there are none, or its BSDF
+    /// has no diffuse part.
     #[inline]
     #[must_use]
     pub fn seen_from(vertex: &SurfaceVertex<'_>, casters: &[Caster]) -> Option<Self> {
@@ -158,8 +162,8 @@ impl Cones {
         })
     }
 
-    /// Draws a direction from the mixture; `None` means no light this way. The numbers are those that the
-    /// BSDF would have had.
+    /// Draws a direction from the mixture; `None` means no light this way. The numbers are those
+    /// that the BSDF would have had.
     #[inline]
     #[must_use]
     pub fn sample(
@@ -248,7 +252,8 @@ impl ConeLanes {
         weigh(self, wi, pdf_w_light, pdf_w_bsdf, weights);
     }
 
-    /// The first part of [`Cones::sample`]: decides what the directions are drawn from, and leaves the numbers for those that the BSDF draws.
+    /// The first part of [`Cones::sample`]: decides what the directions are drawn from, and leaves
+    /// the numbers for those that the BSDF draws.
     pub(crate) fn choose(&mut self, u: &mut [Lanes<f32>; 3]) {
         choose(self, u);
     }

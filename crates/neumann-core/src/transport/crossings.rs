@@ -5,13 +5,16 @@
 //! the ray meets is looked at once more in double precision:
 //!
 //! - A surface *touches* a point if it is as near as coordinates of that size are rounded.
-//! - Of surfaces that lie in one plane and overlap, **the one that comes first in the scene lies outermost on its front side**, as if
-//!   there were room in between. So there is an order in which any ray goes through them, the same from both ends, and all methods see
-//!   the same: from in front, the first one in the file.
-//! - A ray that starts on one of them meets those that follow in this order, and no others; one that ends there has met those that
-//!   come before. Nothing is jumped over, and nothing is met that lies behind.
-//! - Another surface that touches the start is met if it reaches to the side to which the ray leaves, and does not lie behind. So the
-//!   neighbours of a triangle in a mesh do not shadow it, and walls that meet in a corner do not let light through.
+//! - Of surfaces that lie in one plane and overlap, **the one that comes first in the scene lies
+//!   outermost on its front side**, as if there were room in between. So there is an order in which
+//!   any ray goes through them, the same from both ends, and all methods see the same: from in
+//!   front, the first one in the file.
+//! - A ray that starts on one of them meets those that follow in this order, and no others; one
+//!   that ends there has met those that come before. Nothing is jumped over, and nothing is met
+//!   that lies behind.
+//! - Another surface that touches the start is met if it reaches to the side to which the ray
+//!   leaves, and does not lie behind. So the neighbours of a triangle in a mesh do not shadow it,
+//!   and walls that meet in a corner do not let light through.
 
 use glam::DVec3;
 

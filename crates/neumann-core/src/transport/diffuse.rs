@@ -1,7 +1,8 @@
 //! Diffuse vertices side by side.
 //!
-//! Most hits of most scenes are on surfaces that scatter alike everywhere and in every direction. What a vertex needs of them
-//! is read lane by lane; all that is computed from it is computed in vectors, with the functions of a single
+//! Most hits of most scenes are on surfaces that scatter alike everywhere and in every direction.
+//! What a vertex needs of them is read lane by lane; all that is computed from it is computed in
+//! vectors, with the functions of a single
 //! [`SurfaceVertex`].
 
 use glam::Vec3;
@@ -31,7 +32,8 @@ pub(crate) struct DiffuseHit<'a> {
 }
 
 impl<'a> DiffuseHit<'a> {
-    /// A hit on a surface without emission and volume that is the same diffuse reflector all over; `None` for any other.
+    /// A hit on a surface without emission and volume that is the same diffuse reflector all over;
+    /// `None` for any other.
     #[inline(always)]
     pub(crate) fn of(scene: &'a Scene, hit: &Hit) -> Option<Self> {
         let geometry = scene.geometry();
@@ -112,7 +114,8 @@ impl<'a> DiffuseVertices<'a> {
         self.materials[lane] = found.material;
     }
 
-    /// Puts a vertex into a lane, for [`Self::vertex`]; false, and nothing done, if it is not diffuse.
+    /// Puts a vertex into a lane, for [`Self::vertex`]; false, and nothing done, if it is not
+    /// diffuse.
     #[inline(always)]
     pub(crate) fn set_vertex(&mut self, lane: usize, vertex: &SurfaceVertex<'a>) -> bool {
         let Bsdf::Lambert(Lambert { albedo }) = vertex.bsdf else {

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::{SharedTrail, SurfaceVertex, crossings};
-use crate::accel::{Hit, HitLanes, RayLanes, Sight};
+use crate::accel::{Hit, HitLanes, Occlusion, RayLanes};
 use crate::bsdf::Bsdf;
 use crate::endpoint::{Aim, SurfacePoint};
 use crate::material::{Material, SurfaceInputs};
@@ -170,9 +170,9 @@ impl<'a> Tracer<'a> {
             return self.transmittance_of_all(ray);
         }
         match self.scene.bvh().look(ray) {
-            Sight::Clear => 1.0,
-            Sight::Stopped => 0.0,
-            Sight::Unsure => self.transmittance_of_all(ray),
+            Occlusion::Clear => 1.0,
+            Occlusion::Stopped => 0.0,
+            Occlusion::Unsure => self.transmittance_of_all(ray),
         }
     }
 
@@ -217,7 +217,8 @@ impl<'a> Tracer<'a> {
             .base_color(&self.attributes(vertex).inputs())
     }
 
-    /// The surface at barycentric coordinates of a triangle, seen from the direction `wo`; the distance is unknown, 0.
+    /// The surface at barycentric coordinates of a triangle, seen from the direction `wo`; the
+    /// distance is unknown, 0.
     #[must_use]
     pub fn surface_at(&self, triangle: u32, barycentrics: [f32; 2], wo: Vec3) -> SurfaceVertex<'a> {
         let facet = self.scene.geometry().facet(triangle);

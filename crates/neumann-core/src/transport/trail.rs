@@ -301,8 +301,8 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Says that a path leaves a vertex along a direction that was drawn, if roulette lets it, which
-    /// it does with probability `survival`.
+    /// Says that a path leaves a vertex along a direction that was drawn, if roulette lets it,
+    /// which it does with probability `survival`.
     #[inline(always)]
     pub fn leaves(
         &mut self,

@@ -119,8 +119,8 @@ impl VertexSample {
     }
 }
 
-/// Diffuse reflection, the commonest BSDF, has a way of its own through the methods below, on which all stays in registers;
-/// others hand over what they find in memory.
+/// Diffuse reflection, the commonest BSDF, has a way of its own through the methods below, on which
+/// all stays in registers; others hand over what they find in memory.
 impl SurfaceVertex<'_> {
     /// `f(wo, wi) · cos_i`, 1/sr, delta lobes not counted.
     #[inline(always)]
@@ -130,7 +130,8 @@ impl SurfaceVertex<'_> {
             .map_or(Rgb::BLACK, |(f_cos, _)| f_cos)
     }
 
-    /// `f · cos_i` with the density of `wi`, delta lobes not counted; `None` where nothing is scattered.
+    /// `f · cos_i` with the density of `wi`, delta lobes not counted; `None` where nothing is
+    /// scattered.
     #[inline(always)]
     #[must_use]
     pub fn f_cos_and_pdf_w(&self, wi: Vec3, mode: TransportMode) -> Option<(Rgb, f32)> {
@@ -168,7 +169,8 @@ impl SurfaceVertex<'_> {
         self.pdf_w_of_pair(self.given(), self.found(wi), mode)
     }
 
-    /// `f · cos_i` with the densities either way, delta lobes not counted; `None` where nothing is scattered.
+    /// `f · cos_i` with the densities either way, delta lobes not counted; `None` where nothing is
+    /// scattered.
     #[inline(always)]
     #[must_use]
     pub fn scattering(&self, wi: Vec3, mode: TransportMode) -> Option<Scattering> {
@@ -379,8 +381,8 @@ impl SurfaceVertex<'_> {
         }))
     }
 
-    /// What the surface is to a light that shines on it. Seen from any direction that light is scattered to from there,
-    /// it is the same.
+    /// What the surface is to a light that shines on it. Seen from any direction that light is
+    /// scattered to from there, it is the same.
     #[inline]
     #[must_use]
     pub fn receiver(&self) -> Receiver {

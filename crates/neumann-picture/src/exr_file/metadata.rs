@@ -38,7 +38,8 @@ pub struct Metadata {
     pub camera: String,
     /// The environment, by [`environment_text`].
     pub environment: String,
-    /// Materials and lights, by [`appearance_text`]: they may have been edited since they were loaded.
+    /// Materials and lights, by [`appearance_text`]: they may have been edited since they were
+    /// loaded.
     pub appearance: String,
     /// What the camera makes of backs; solid where the header says nothing.
     pub backs: Backs,

@@ -9,10 +9,10 @@
 //! | `variance.R …` | estimated variance of `R G B`: of the mean, not of one iteration |
 //! | `albedo.R …`, `normal.X …`, `depth.Z` | what the camera sees first |
 //!
-//! Floats of 32 bits (16 on request), ZIP compression over 16 rows, no loss. The
-//! header says how the picture was made ([`Metadata`]) and how its iterations spread (`spread`), so
-//! such a file is also the checkpoint of its render, with a checksum for every channel (`checksum`).
-//! Files of other programs are read for their `R G B` (or `Y`) and their layers.
+//! Floats of 32 bits (16 on request), ZIP compression over 16 rows, no loss. The header says how
+//! the picture was made ([`Metadata`]) and how its iterations spread (`spread`), so such a file is
+//! also the checkpoint of its render, with a checksum for every channel (`checksum`). Files of
+//! other programs are read for their `R G B` (or `Y`) and their layers.
 
 mod checksum;
 mod difference;

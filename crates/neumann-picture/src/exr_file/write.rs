@@ -110,9 +110,10 @@ pub fn write_image_exr(
     write(path, (width, height), planes, attributes)
 }
 
-/// Writes the techniques of a method: `R, G, B` is L at their resolution, `s1t2.R …` what a technique adds to it,
-/// `s1t2.raw.R …` what it would be alone, `s1t2.weight.Y` its mean weight, and `rest.R …` longer paths; merges are
-/// called `merge-s2t2`. Texts go to the header as attributes `neumann.…`.
+/// Writes the techniques of a method: `R, G, B` is L at their resolution, `s1t2.R …` what a
+/// technique adds to it, `s1t2.raw.R …` what it would be alone, `s1t2.weight.Y` its mean weight,
+/// and `rest.R …` longer paths; merges are called `merge-s2t2`. Texts go to the header as
+/// attributes `neumann.…`.
 ///
 /// # Errors
 /// If the place cannot be written to.

@@ -73,7 +73,8 @@ pub(super) fn agx(x: Rgb) -> Rgb {
     code.map(|v| v.max(0.0).powf(2.2))
 }
 
-/// PBR Neutral: base colours below 0.8 - F90 offset are shown as they are, less the 4 % Fresnel coat.
+/// PBR Neutral: base colours below 0.8 - F90 offset are shown as they are, less the 4 % Fresnel
+/// coat.
 pub(super) fn neutral(c: Rgb) -> Rgb {
     const START: f32 = 0.8 - 0.04;
     const DESATURATION: f32 = 0.15;

@@ -145,7 +145,8 @@ fn rays_abreast_meet_what_they_meet_alone_in(triangles: &[[Vec3; 3]]) {
             let mut sampler = Sampler::new(16, i, lane as u32);
             let origin = warp::uniform_sphere(sampler.next_2d()) * 1.5;
             let towards = match lane {
-                // Along the axes, forwards and backwards, where a direction has zeros of either sign.
+                // Along the axes, forwards and backwards, where a direction has zeros of either
+                // sign.
                 0 => Vec3::X,
                 1 => -Vec3::Y,
                 2 => Vec3::new(-0.0, 0.0, 1.0),
@@ -229,7 +230,8 @@ fn trees_of_any_quality_are_hit_alike() {
 
 #[test]
 fn a_tree_that_is_too_deep_to_be_walked_is_told() {
-    // Triangles far apart, each half as far as the last: the deepest tree that single precision has room for.
+    // Triangles far apart, each half as far as the last: the deepest tree that single precision has
+    // room for.
     let triangles: Vec<[Vec3; 3]> = (-90..30)
         .map(|i| [Vec3::X, Vec3::ONE, Vec3::new(1.0, 0.0, 1.0)].map(|p| p * 2f32.powi(i)))
         .collect();

@@ -4,28 +4,28 @@ use std::marker::PhantomData;
 
 use super::{AnyVisitor, Kernel, passes, walk_below_root_until, walk_until};
 use crate::accel::abreast::{BoxHitLanes, PreparedLanes, RayLanes};
-use crate::accel::hits::Sight;
+use crate::accel::hits::Occlusion;
 use crate::accel::instances::Instances;
 use crate::accel::prepared::Prepared;
 use crate::accel::wide::{LEAF_SIZE, Leaf, WideTree, leaf_of};
 use crate::math::Ray;
 use crate::math::lanes::lanes_of;
 
-/// [`Sight`] in each lane: one bit for each that is stopped, or not sure.
+/// [`Occlusion`] in each lane: one bit for each that is stopped, or not sure.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct SightLanes {
+pub(crate) struct OcclusionLanes {
     pub(crate) stopped: u32,
     pub(crate) unsure: u32,
 }
 
 /// Whether the ray meets any triangle before its end.
 #[inline(always)]
-pub(in crate::accel) fn any<K: Kernel>(tree: &WideTree, ray: &Ray) -> Sight {
+pub(in crate::accel) fn any<K: Kernel>(tree: &WideTree, ray: &Ray) -> Occlusion {
     any_prepared::<K>(tree, &Prepared::new(tree, ray), ray.t_max())
 }
 
 #[inline(always)]
-fn any_prepared<K: Kernel>(tree: &WideTree, prepared: &Prepared, end: f32) -> Sight {
+fn any_prepared<K: Kernel>(tree: &WideTree, prepared: &Prepared, end: f32) -> Occlusion {
     let mut triangles = AnyTriangle::<K> {
         tree,
         prepared,
@@ -34,15 +34,18 @@ fn any_prepared<K: Kernel>(tree: &WideTree, prepared: &Prepared, end: f32) -> Si
         kernel: PhantomData,
     };
     let is_stopped = walk_until::<K>(tree, prepared, end, &mut triangles);
-    Sight::new(is_stopped, triangles.is_sure)
+    Occlusion::new(is_stopped, triangles.is_sure)
 }
 
 /// Whether the ray of each lane meets any triangle before its end.
 #[inline(always)]
-pub(in crate::accel) fn any_of_lanes<K: Kernel>(tree: &WideTree, rays: &RayLanes) -> SightLanes {
+pub(in crate::accel) fn any_of_lanes<K: Kernel>(
+    tree: &WideTree,
+    rays: &RayLanes,
+) -> OcclusionLanes {
     let prepared = PreparedLanes::new(tree, rays);
     let root = BoxHitLanes::new(&tree.nodes[0], rays, &prepared);
-    let mut lanes = SightLanes::default();
+    let mut lanes = OcclusionLanes::default();
     for lane in lanes_of(rays.mask()) {
         let (prepared, end) = (prepared.get(lane), rays.end(lane));
         let mut triangles = AnyTriangle::<K> {
@@ -62,7 +65,7 @@ pub(in crate::accel) fn any_of_lanes<K: Kernel>(tree: &WideTree, rays: &RayLanes
 
 /// Whether the ray meets any triangle of an instance before its end.
 #[inline(always)]
-pub(in crate::accel) fn any_of_instances<K: Kernel>(instances: &Instances, ray: &Ray) -> Sight {
+pub(in crate::accel) fn any_of_instances<K: Kernel>(instances: &Instances, ray: &Ray) -> Occlusion {
     let mut inside = AnyInside::<K> {
         instances,
         ray,
@@ -71,7 +74,7 @@ pub(in crate::accel) fn any_of_instances<K: Kernel>(instances: &Instances, ray: 
     };
     let (prepared, end) = (Prepared::new(&instances.tree, ray), ray.t_max());
     let is_stopped = walk_until::<K>(&instances.tree, &prepared, end, &mut inside);
-    Sight::new(is_stopped, inside.is_sure)
+    Occlusion::new(is_stopped, inside.is_sure)
 }
 
 /// Whether any triangle of a leaf is in the way of a ray before its end.
@@ -80,7 +83,7 @@ pub(in crate::accel) fn look_into_leaf<K: Kernel>(
     leaf: &Leaf,
     prepared: &Prepared,
     end: f32,
-) -> Sight {
+) -> Occlusion {
     let lanes = K::meet_triangles(leaf, prepared, end);
     let mut mask = lanes.mask;
     let mut is_sure = true;
@@ -90,15 +93,15 @@ pub(in crate::accel) fn look_into_leaf<K: Kernel>(
         let t = lanes.t[lane];
         let is_between = |slack: f32| t - slack > 0.0 && t + slack < end;
         if is_between(prepared.most_slack) {
-            return Sight::Stopped;
+            return Occlusion::Stopped;
         }
         let slack = prepared.slack_in(leaf, lane);
         if is_between(slack) {
-            return Sight::Stopped;
+            return Occlusion::Stopped;
         }
         is_sure &= t + slack <= 0.0 || t - slack >= end;
     }
-    Sight::new(false, is_sure)
+    Occlusion::new(false, is_sure)
 }
 
 /// The same where any will do.
@@ -118,8 +121,8 @@ impl<K: Kernel> AnyVisitor for AnyTriangle<'_, K> {
             return false;
         }
         let sight = look_into_leaf::<K>(leaf, self.prepared, self.end);
-        self.is_sure &= sight != Sight::Unsure;
-        sight == Sight::Stopped
+        self.is_sure &= sight != Occlusion::Unsure;
+        sight == Occlusion::Stopped
     }
 }
 
@@ -139,7 +142,7 @@ impl<K: Kernel> AnyVisitor for AnyInside<'_, K> {
         let end = self.ray.t_max();
         let prepared = Prepared::inside(mesh, instance, self.ray, end);
         let sight = any_prepared::<K>(mesh, &prepared, end);
-        self.is_sure &= sight != Sight::Unsure;
-        sight == Sight::Stopped
+        self.is_sure &= sight != Occlusion::Unsure;
+        sight == Occlusion::Stopped
     }
 }

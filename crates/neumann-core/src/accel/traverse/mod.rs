@@ -33,7 +33,7 @@ mod closest;
 pub(super) use all::crossings;
 #[cfg(target_arch = "x86_64")]
 pub(super) use any::look_into_leaf;
-pub(super) use any::{SightLanes, any, any_of_instances, any_of_lanes};
+pub(super) use any::{OcclusionLanes, any, any_of_instances, any_of_lanes};
 #[cfg(target_arch = "x86_64")]
 pub(super) use closest::meet_leaf;
 pub(super) use closest::{closest, closest_of_all, closest_of_lanes};

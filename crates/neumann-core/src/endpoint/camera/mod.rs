@@ -15,7 +15,8 @@ use crate::radiometry::Rgb;
 use crate::sampling::warp;
 use crate::scene::description::{CameraDescription, Lens, Projection};
 
-/// A camera together with the raster of its film; raster (0, 0) is the top left corner of pixel (0, 0).
+/// A camera together with the raster of its film; raster (0, 0) is the top left corner of pixel (0,
+/// 0).
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     position: Vec3,
@@ -177,8 +178,8 @@ impl Camera {
         }
     }
 
-    /// Aims at the camera from `x`: at the point of the lens that `u` in [0, 1)² chooses. Yields the
-    /// raster position that the light falls on; `None` if it misses the film.
+    /// Aims at the camera from `x`: at the point of the lens that `u` in [0, 1)² chooses. Yields
+    /// the raster position that the light falls on; `None` if it misses the film.
     ///
     /// `value` of the aim is importance arriving at x, already multiplied by the number of
     /// pixels: light of one path adds `f · cos · value / pdf_w` times its throughput to that pixel.
@@ -249,10 +250,11 @@ impl Camera {
         Some((aim, raster))
     }
 
-    /// Looks into `direction` (unit, away from the camera), to infinity: yields the ray from the point
-    /// of the lens that `u` chooses, its raster position, and the importance over the density of that
-    /// point, per steradian and multiplied by the number of pixels. `None` if the direction is outside of
-    /// the picture, and for an orthographic camera, which sees single directions only.
+    /// Looks into `direction` (unit, away from the camera), to infinity: yields the ray from the
+    /// point of the lens that `u` chooses, its raster position, and the importance over the density
+    /// of that point, per steradian and multiplied by the number of pixels. `None` if the direction
+    /// is outside of the picture, and for an orthographic camera, which sees single directions
+    /// only.
     #[must_use]
     pub fn look(&self, direction: Vec3, u: [f32; 2]) -> Option<(Ray, Vec2, f32)> {
         if matches!(self.projection, Projection::Orthographic { .. }) {
@@ -270,7 +272,8 @@ impl Camera {
         Some((ray, raster, importance))
     }
 
-    /// Where a ray that light travels along meets a lens of finite size, before `t_max`, from the front.
+    /// Where a ray that light travels along meets a lens of finite size, before `t_max`, from the
+    /// front.
     #[must_use]
     pub fn hit_lens(&self, ray: &Ray, t_max: f32) -> Option<LensHit> {
         let lens = self.lens.filter(|_| self.has_lens())?;
@@ -309,21 +312,9 @@ impl Camera {
         }
     }
 
-    /// The point of the raster that a point in the world is seen at through the middle of the lens, if any.
-    #[must_use]
-    pub fn raster_of_point(&self, x: Vec3) -> Option<Vec2> {
-        let from = x - self.position;
-        let depth = from.dot(self.forward);
-        let film = Vec2::new(from.dot(self.right), from.dot(self.up));
-        match self.projection {
-            Projection::Orthographic { .. } => self.raster_from_film(film),
-            Projection::Perspective { .. } if depth > 0.0 => self.raster_from_film(film / depth),
-            Projection::Perspective { .. } => None,
-        }
-    }
-
-    /// Raster positions (minimum and maximum) of all rays that could meet a box given by its minimum and maximum; `None`
-    /// where the box reaches so near to the camera, or behind it, that there are no bounds.
+    /// Raster positions (minimum and maximum) of all rays that could meet a box given by its
+    /// minimum and maximum; `None` where the box reaches so near to the camera, or behind it, that
+    /// there are no bounds.
     #[must_use]
     pub fn raster_bounds(&self, [min, max]: [Vec3; 2]) -> Option<[Vec2; 2]> {
         let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
@@ -344,7 +335,8 @@ impl Camera {
             (low, high) = (low.min(film), high.max(film));
         }
         if let Some(lens) = self.lens.filter(|_| self.has_lens()) {
-            // A ray from p on the lens meets depth z where that through the middle would on a film moved by p/z - p/f.
+            // A ray from p on the lens meets depth z where that through the middle would on a film
+            // moved by p/z - p/f.
             let moved = |depth: f32| (1.0 / depth - 1.0 / lens.focus_distance).abs();
             let reach = 0.5 * lens.aperture * moved(nearest).max(moved(farthest));
             (low, high) = (low - reach, high + reach);
@@ -379,7 +371,8 @@ impl Camera {
         is_inside.then_some(raster)
     }
 
-    /// The raster position whose ray from `on_lens` has the given direction, which need not be unit.
+    /// The raster position whose ray from `on_lens` has the given direction, which need not be
+    /// unit.
     #[inline]
     fn raster_of(&self, on_lens: Vec2, direction: Vec3) -> Option<Vec2> {
         let depth = direction.dot(self.forward);

@@ -1,7 +1,8 @@
 //! Where a group of lights is, where it shines, and how strongly.
 //!
-//! A box, and a cone of directions: the axes of all lights of the group lie within the angle `theta_o` of the
-//! group's axis, and each shines at most `theta_e` beyond its own ([Conty & Kulla 2018], \[PBR4\] 12.6.3).
+//! A box, and a cone of directions: the axes of all lights of the group lie within the angle
+//! `theta_o` of the group's axis, and each shines at most `theta_e` beyond its own ([Conty & Kulla
+//! 2018], \[PBR4\] 12.6.3).
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -23,8 +24,9 @@ pub(super) struct LightBounds {
     pub(super) theta_e: f32,
     /// True if some light shines about the opposite of its axis as well.
     pub(super) is_two_sided: bool,
-    /// Radiant intensity, W/sr, mean of the channels: the sum of each light's along its axis. That of a light without an axis
-    /// counts four times: the mean of `max(0, cos)` over all directions is a quarter.
+    /// Radiant intensity, W/sr, mean of the channels: the sum of each light's along its axis. That
+    /// of a light without an axis counts four times: the mean of `max(0, cos)` over all directions
+    /// is a quarter.
     pub(super) intensity: f32,
     /// The sum of each light's intensity times its axis; nothing for one without.
     pub(super) vector: Vec3,
@@ -145,14 +147,16 @@ impl LightBounds {
         0.5 * self.min + 0.5 * self.max
     }
 
-    /// How much the lights have their axis in common, from 0 to 1: the length of the vector sum over the sum of intensities.
+    /// How much the lights have their axis in common, from 0 to 1: the length of the vector sum
+    /// over the sum of intensities.
     pub(super) fn unity(&self) -> f32 {
         (self.vector.length() / self.intensity).min(1.0)
     }
 
-    /// What it costs to choose among these lights by their bounds alone: intensity, times the spread in direction, times the
-    /// squared diagonal of the box, which unlike its surface is 0 for a point only. The spread goes from that of one
-    /// direction to four times as much for all of them, as in the sources, where the cone decides it.
+    /// What it costs to choose among these lights by their bounds alone: intensity, times the
+    /// spread in direction, times the squared diagonal of the box, which unlike its surface is 0
+    /// for a point only. The spread goes from that of one direction to four times as much for all
+    /// of them, as in the sources, where the cone decides it.
     pub(super) fn cost(&self) -> f32 {
         self.intensity * (4.0 - 3.0 * self.unity()) * (self.max - self.min).length_squared()
     }

@@ -1,8 +1,9 @@
 //! Builds the tree over lights, top down.
 //!
-//! Lights are put into bins along each axis of the box around their centres, and split between two bins where the
-//! sum of the costs of both sides is least (after the surface area orientation heuristic of [Conty & Kulla 2018]). The
-//! binary tree is then folded so that a node has up to four children.
+//! Lights are put into bins along each axis of the box around their centres, and split between two
+//! bins where the sum of the costs of both sides is least (after the surface area orientation
+//! heuristic of [Conty & Kulla 2018]). The binary tree is then folded so that a node has up to four
+//! children.
 
 use glam::Vec3;
 
@@ -180,7 +181,8 @@ impl Bins {
     }
 }
 
-/// Makes a node of the wide tree from a binary one, by opening the costliest of its parts until it has enough children.
+/// Makes a node of the wide tree from a binary one, by opening the costliest of its parts until it
+/// has enough children.
 fn fold(
     binary: &[BinaryNode],
     root: usize,

@@ -1,7 +1,7 @@
 //! Which light: by power where a path starts, by what it may send to a point where one is aimed at.
 //!
-//! Seen from a point, the lights that have a place are in a tree, and those infinitely far away beside it
-//! (\[PBR4\] 12.6.3).
+//! Seen from a point, the lights that have a place are in a tree, and those infinitely far away
+//! beside it (\[PBR4\] 12.6.3).
 
 use super::bounds::LightBounds;
 use super::build::build;
@@ -17,8 +17,9 @@ pub enum LightChoice {
     /// By what it may send to the point: a tree over the lights.
     #[default]
     Tree,
-    /// As by the tree, beside directions drawn from a BSDF with which the choice is weighed: a sky of one radiance is left to
-    /// those, which are spread over it as it counts, and hit it whenever they leave the scene.
+    /// As by the tree, beside directions drawn from a BSDF with which the choice is weighed: a sky
+    /// of one radiance is left to those, which are spread over it as it counts, and hit it whenever
+    /// they leave the scene.
     TreeBesideBsdf,
     /// By its power alone, wherever the point is.
     Power,
@@ -37,8 +38,9 @@ pub(super) struct Chooser {
     is_one_place: bool,
 }
 
-/// How often it is a light infinitely far away where one of the tree may count as well. What is in the way of either is not
-/// known, so that shares by what both would send there unhindered were worse, measured under skies.
+/// How often it is a light infinitely far away where one of the tree may count as well. What is in
+/// the way of either is not known, so that shares by what both would send there unhindered were
+/// worse, measured under skies.
 const DISTANT_SHARE: f32 = 0.5;
 
 impl Chooser {
@@ -109,8 +111,8 @@ impl Chooser {
         }
     }
 
-    /// A light chosen for a receiver, and its probability; `None` where none can reach it, or none that is not left to
-    /// a BSDF.
+    /// A light chosen for a receiver, and its probability; `None` where none can reach it, or none
+    /// that is not left to a BSDF.
     #[inline(always)]
     pub(super) fn by_tree(
         &self,

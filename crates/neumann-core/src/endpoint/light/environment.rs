@@ -260,7 +260,8 @@ impl EnvironmentLight {
         (pdf_w > 0.0).then_some((direction, pdf_w))
     }
 
-    /// `u = 1/2 + atan2(x, -z) / 2π`, `v = acos(y) / π` of the direction turned back by the rotation.
+    /// `u = 1/2 + atan2(x, -z) / 2π`, `v = acos(y) / π` of the direction turned back by the
+    /// rotation.
     fn uv(&self, direction: Vec3) -> [f32; 2] {
         let d = turned(direction, (-self.sin_rotation, self.cos_rotation));
         let u = 0.5 + d.x.atan2(-d.z) / TAU;

@@ -181,8 +181,8 @@ impl Lights {
         })
     }
 
-    /// Probability with which [`Self::aim`] chooses a light. Over all lights they add to one, or to less where the way
-    /// through the tree may end at lights that cannot reach the point.
+    /// Probability with which [`Self::aim`] chooses a light. Over all lights they add to one, or to
+    /// less where the way through the tree may end at lights that cannot reach the point.
     #[must_use]
     pub fn pmf_aim(&self, from: &Receiver, choice: LightChoice, light: usize) -> f32 {
         let pmf = |i| {
@@ -358,7 +358,8 @@ impl Lights {
         }
     }
 
-    /// Density with which [`Self::aim`] yields the environment's `direction`, 1/sr, and the densities with which
+    /// Density with which [`Self::aim`] yields the environment's `direction`, 1/sr, and the
+    /// densities with which
     /// [`Self::start`] would have sent a ray the other way.
     #[inline]
     #[must_use]

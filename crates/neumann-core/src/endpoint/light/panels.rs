@@ -23,7 +23,8 @@ pub(crate) struct PanelLanes {
 }
 
 impl PanelLanes {
-    /// Puts a light into a lane that was chosen with probability `pmf`, and the number in [0, 1)² that chooses a point of it.
+    /// Puts a light into a lane that was chosen with probability `pmf`, and the number in [0, 1)²
+    /// that chooses a point of it.
     #[inline(always)]
     pub(crate) fn set(
         &mut self,
@@ -52,8 +53,8 @@ impl PanelLanes {
         self.pmf.set(lane, 0.0);
     }
 
-    /// Aims from x at the light of a lane, as [`Lights::aim`](super::Lights::aim) does but for the densities with which it would
-    /// have started the ray.
+    /// Aims from x at the light of a lane, as [`Lights::aim`](super::Lights::aim) does but for the
+    /// densities with which it would have started the ray.
     #[inline(always)]
     pub(crate) fn aim(&self, lane: usize, x: Vec3) -> Option<Aim> {
         let panel = self.panel(lane);
@@ -67,7 +68,8 @@ impl PanelLanes {
         Some(aim)
     }
 
-    /// Starts a ray from the light of a lane, as [`Lights::start`](super::Lights::start) does, without saying which one it is.
+    /// Starts a ray from the light of a lane, as [`Lights::start`](super::Lights::start) does,
+    /// without saying which one it is.
     #[inline(always)]
     pub(crate) fn start(&self, lane: usize, u_direction: [f32; 2]) -> Option<Start> {
         let u = [self.u[0].get(lane), self.u[1].get(lane)];

@@ -1,14 +1,17 @@
-//! A tree over lights, from which one is chosen in proportion to a bound of what it sends to a point.
+//! A tree over lights, from which one is chosen in proportion to a bound of what it sends to a
+//! point.
 //!
-//! After [Conty & Kulla 2018] and \[PBR4\] 12.6.3. From the root down, each step goes on to one child with probability proportional to its
-//! importance, `I cos θ cos θ_i / d²`: an estimate of what its lights send to the receiver. It is 0 only where
-//! bounds say that none of them can reach it.
+//! After [Conty & Kulla 2018] and \[PBR4\] 12.6.3. From the root down, each step goes on to one
+//! child with probability proportional to its importance, `I cos θ cos θ_i / d²`: an estimate of
+//! what its lights send to the receiver. It is 0 only where bounds say that none of them can reach
+//! it.
 //!
-//! Unlike the sources, a node has up to four children, whose importances are found together, and the cosines are not
-//! the best that the bounds allow: a closed lantern would count as if all of it faced the receiver. With `V` the
-//! vector sum of the lights' axes, by intensity, and `m` its length over the sum of intensities, the mean of `max(0, cos θ)`
-//! over the lights is that of a single direction for m = 1, and in general close to `1/4 + V·ω / 2`, the first two terms of
-//! the clamped cosine in spherical harmonics.
+//! Unlike the sources, a node has up to four children, whose importances are found together, and
+//! the cosines are not the best that the bounds allow: a closed lantern would count as if all of it
+//! faced the receiver. With `V` the vector sum of the lights' axes, by intensity, and `m` its
+//! length over the sum of intensities, the mean of `max(0, cos θ)` over the lights is that of a
+//! single direction for m = 1, and in general close to `1/4 + V·ω / 2`, the first two terms of the
+//! clamped cosine in spherical harmonics.
 
 use glam::Vec4;
 
@@ -59,13 +62,16 @@ struct Node {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Importances {
     lanes: [f32; WIDTH],
-    /// Their sum: about what all of the lights send to the receiver, W/m², but for the tree's scale.
+    /// Their sum: about what all of the lights send to the receiver, W/m², but for the tree's
+    /// scale.
     pub(super) sum: f32,
 }
 
-/// Cosines are known to this much: lights so close to the edge of what they reach are not ruled out.
+/// Cosines are known to this much: lights so close to the edge of what they reach are not ruled
+/// out.
 const MARGIN: f32 = 2e-3;
-/// Of lights that may reach a receiver, each cosine counts as this much at least, since it is only estimated.
+/// Of lights that may reach a receiver, each cosine counts as this much at least, since it is only
+/// estimated.
 const LEAST_COSINE: f32 = 0.02;
 /// The smallest squared distance, m²: keeps importances finite.
 const NEAREST: f32 = 1e-30;
@@ -108,7 +114,8 @@ impl LightTree {
         self.nodes.is_empty()
     }
 
-    /// True if the lights are few and nothing but their strength tells them apart, as the two halves of a rectangle.
+    /// True if the lights are few and nothing but their strength tells them apart, as the two
+    /// halves of a rectangle.
     pub(super) fn is_one_place(&self) -> bool {
         let [node] = self.nodes.as_slice() else {
             return false;
@@ -256,8 +263,9 @@ impl Node {
         let sin_b = self.radius * over_distance;
         let cos_b = sin_from_cos(sin_b);
 
-        // Cosines of the angle θ between the mean axis and the direction to the receiver, and of θ_i between the normal and
-        // the direction to the lights; where light from both sides counts, the better one.
+        // Cosines of the angle θ between the mean axis and the direction to the receiver, and of
+        // θ_i between the normal and the direction to the lights; where light from both sides
+        // counts, the better one.
         let both_sides = |cos: Vec4, side: Vec4| cos.max(cos * side);
         let cos_axis = both_sides(dot(self.axis) * over_distance, self.side);
         let normal = at.normal.to_array().map(Vec4::splat);

@@ -11,7 +11,7 @@ use super::lanes::{Directions, VertexLanes, WalkLanes, knowing_heuristic};
 use super::light::LightVertex;
 use super::merging::Merging;
 use super::subpath::{LightSubpath, Waiting};
-use super::{Heuristic, Vertex, Walk, Weighing};
+use super::{Heuristic, MisWeights, Vertex, Walk};
 use crate::accel::Hit;
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::PanelLanes;
@@ -38,23 +38,24 @@ pub(in crate::integrator) struct CameraEnd<'a> {
     pub(in crate::integrator) has_connections: bool,
     /// What vertices are merged with, if they are.
     pub(in crate::integrator) merging: Option<Merging<'a>>,
-    pub(in crate::integrator) weighing: Weighing,
+    pub(in crate::integrator) weighing: MisWeights,
 }
 
 /// Scratch memory of the subpaths of some pixels, which those of others may use again.
-pub(in crate::integrator) struct CameraRoom<'s> {
+pub(in crate::integrator) struct CameraScratch<'s> {
     /// What each lane's subpath is connected to.
     lights: Vec<LightSubpath<'s>>,
     waiting: Waiting,
     vertices: VertexLanes<'s>,
-    events: Events,
+    events: AimLanes,
     directions: Directions,
     merges: Vec<Merge<'s>>,
     near: Vec<Near>,
 }
 
-/// A vertex that is to be merged, with its search. What it looks for is far away in memory: so all lanes search together, and
-/// between one step of their searches and the next, other things are done.
+/// A vertex that is to be merged, with its search. What it looks for is far away in memory: so all
+/// lanes search together, and between one step of their searches and the next, other things are
+/// done.
 struct Merge<'s> {
     /// The vertex, if it is not that of the lane.
     alone: Option<Vertex<'s>>,
@@ -67,20 +68,20 @@ struct Merge<'s> {
 
 /// What comes of lights that are aimed at.
 #[derive(Default)]
-struct Events {
+struct AimLanes {
     panels: PanelLanes,
     start_over_aim: Lanes<f32>,
     light: Unseen,
 }
 
-impl<'s> CameraRoom<'s> {
+impl<'s> CameraScratch<'s> {
     /// Room for subpaths in a scene.
     pub(in crate::integrator) fn new(scene: &'s Scene) -> Self {
         Self {
             lights: (0..LANES).map(|_| LightSubpath::new(scene)).collect(),
             waiting: Waiting::default(),
             vertices: VertexLanes::new(scene),
-            events: Events::default(),
+            events: AimLanes::default(),
             directions: Directions::default(),
             merges: Vec::new(),
             near: Vec::new(),
@@ -88,7 +89,7 @@ impl<'s> CameraRoom<'s> {
     }
 }
 
-impl CameraRoom<'_> {
+impl CameraScratch<'_> {
     /// Goes on with the searches.
     fn approach(&self, end: &CameraEnd<'_>) {
         if let Some(merging) = &end.merging {
@@ -116,8 +117,8 @@ impl CameraEnd<'_> {
         Walk::from_camera(self.camera, sample.raster, u, tracer, &self.weighing)
     }
 
-    /// One step of a subpath, from what it meets on to the next ray; false where it ends. A vertex that is to be merged is
-    /// handed to `merge`.
+    /// One step of a subpath, from what it meets on to the next ray; false where it ends. A vertex
+    /// that is to be merged is handed to `merge`.
     #[allow(clippy::too_many_arguments, reason = "a path with all its ends")]
     fn step<'s>(
         &self,
@@ -188,12 +189,13 @@ impl CameraEnd<'_> {
 }
 
 impl<'s> CameraEnd<'s> {
-    /// Traces the subpaths of all pixels, each joined with the light subpath that `light_path` names.
+    /// Traces the subpaths of all pixels, each joined with the light subpath that `light_path`
+    /// names.
     pub(in crate::integrator) fn trace<'p>(
         &self,
         mut pixels: Pixels<'_>,
         light_path: impl Fn(&PixelPath<'_>) -> (u32, &'p [LightVertex]),
-        room: &mut CameraRoom<'s>,
+        scratch: &mut CameraScratch<'s>,
         tracer: &mut Tracer<'s>,
         sink: &mut Sink<'_>,
     ) {
@@ -206,7 +208,7 @@ impl<'s> CameraEnd<'s> {
                     break;
                 };
                 places[lane] = pixel.place;
-                let lights = &mut room.lights[lane];
+                let lights = &mut scratch.lights[lane];
                 lights.clear();
                 if self.has_connections {
                     let (path, vertices) = light_path(&pixel);
@@ -226,14 +228,14 @@ impl<'s> CameraEnd<'s> {
             let hits = tracer.hits(&walks.common.rays);
             let mut together = 0;
             for lane in lanes_of(walks.common.taken()) {
-                let vertices = &mut room.vertices;
+                let vertices = &mut scratch.vertices;
                 if walks.join(self.scene, self.max_bounces, lane, &hits, vertices) {
                     together |= 1 << lane;
                 }
             }
             if together != 0 {
-                walks.arrive(together, self.scene, &mut room.vertices, &self.weighing);
-                together = self.draw(together, &walks, room);
+                walks.arrive(together, self.scene, &mut scratch.vertices, &self.weighing);
+                together = self.draw(together, &walks, scratch);
             }
             for lane in lanes_of(walks.common.taken() & !together) {
                 sink.start_pixel(places[lane]);
@@ -241,12 +243,12 @@ impl<'s> CameraEnd<'s> {
                 let goes_on = self.step(
                     &mut walk,
                     hits[lane].as_ref(),
-                    &mut room.lights[lane],
-                    &mut room.waiting,
+                    &mut scratch.lights[lane],
+                    &mut scratch.waiting,
                     tracer,
                     &walks.common.samplers[lane],
                     sink,
-                    |vertex| self.begin_merge(lane, &vertex, Some(vertex), &mut room.merges),
+                    |vertex| self.begin_merge(lane, &vertex, Some(vertex), &mut scratch.merges),
                 );
                 if goes_on {
                     walks.set(lane, &walk);
@@ -255,17 +257,19 @@ impl<'s> CameraEnd<'s> {
                 }
             }
             if together != 0 {
-                self.begin_merges(together, &walks, room);
-                self.aim(together, &walks, &places, room, tracer, sink);
-                room.approach(self);
-                self.connect(together, &walks, &places, room, tracer, sink);
+                self.begin_merges(together, &walks, scratch);
+                self.aim(together, &walks, &places, scratch, tracer, sink);
+                scratch.approach(self);
+                self.connect(together, &walks, &places, scratch, tracer, sink);
             }
-            // None waits for another step, so that what is added to a pixel's layer is in the order of its path.
-            room.waiting
+            // None waits for another step, so that what is added to a pixel's layer is in the order
+            // of its path.
+            scratch
+                .waiting
                 .see(tracer, |place, found| sink.add_at(place, found));
-            room.finish(self);
+            scratch.finish(self);
             if together != 0 {
-                let (vertices, directions) = (&room.vertices, &mut room.directions);
+                let (vertices, directions) = (&scratch.vertices, &mut scratch.directions);
                 walks.scatter(
                     together,
                     vertices,
@@ -274,21 +278,27 @@ impl<'s> CameraEnd<'s> {
                     &self.weighing,
                 );
             }
-            self.merge(&places, room, sink);
+            self.merge(&places, scratch, sink);
         }
     }
 
-    /// Draws what the lanes need, and chooses lights to aim at; returns those lanes whose lights are plain triangles.
-    fn draw(&self, mut together: u32, walks: &WalkLanes<'_>, room: &mut CameraRoom<'s>) -> u32 {
+    /// Draws what the lanes need, and chooses lights to aim at; returns those lanes whose lights
+    /// are plain triangles.
+    fn draw(
+        &self,
+        mut together: u32,
+        walks: &WalkLanes<'_>,
+        scratch: &mut CameraScratch<'s>,
+    ) -> u32 {
         let lights = self.scene.lights();
-        let events = &mut room.events;
+        let events = &mut scratch.events;
         for lane in lanes_of(together) {
             let u = walks.common.samplers[lane].bounce(walks.common.bounces.get(lane));
-            room.directions.numbers.set(lane, &u);
+            scratch.directions.numbers.set(lane, &u);
             if !self.has_connections {
                 continue;
             }
-            let receiver = room.vertices.surfaces.receiver(lane);
+            let receiver = scratch.vertices.surfaces.receiver(lane);
             let Some(chosen) = lights.choose(&receiver, LightChoice::Tree, u.light) else {
                 events.panels.clear(lane);
                 continue;
@@ -313,15 +323,15 @@ impl<'s> CameraEnd<'s> {
         together: u32,
         walks: &WalkLanes<'_>,
         places: &[PixelPlace; LANES],
-        room: &mut CameraRoom<'s>,
+        scratch: &mut CameraScratch<'s>,
         tracer: &mut Tracer<'s>,
         sink: &mut Sink<'_>,
     ) {
         if !self.has_connections {
             return;
         }
-        let events = &mut room.events;
-        aim(&room.vertices, events, &self.weighing);
+        let events = &mut scratch.events;
+        aim(&scratch.vertices, events, &self.weighing);
         for seen in events.light.see(together, tracer) {
             let strategy = Strategy::connect(1, walks.n_vertices(seen.lane));
             let found = contribution(seen.value, seen.mis_weight, strategy);
@@ -335,17 +345,17 @@ impl<'s> CameraEnd<'s> {
         together: u32,
         walks: &WalkLanes<'_>,
         places: &[PixelPlace; LANES],
-        room: &mut CameraRoom<'s>,
+        scratch: &mut CameraScratch<'s>,
         tracer: &mut Tracer<'s>,
         sink: &mut Sink<'_>,
     ) {
         if !self.has_connections {
             return;
         }
-        let (weighing, waiting) = (&self.weighing, &mut room.waiting);
+        let (weighing, waiting) = (&self.weighing, &mut scratch.waiting);
         for lane in lanes_of(together) {
-            let vertex = room.vertices.get(lane, walks.n_vertices(lane));
-            room.lights[lane].connect(
+            let vertex = scratch.vertices.get(lane, walks.n_vertices(lane));
+            scratch.lights[lane].connect(
                 tracer,
                 &vertex,
                 self.max_bounces,
@@ -358,13 +368,13 @@ impl<'s> CameraEnd<'s> {
     }
 
     /// Begins to look for what the vertices of the lanes are to be merged with.
-    fn begin_merges(&self, together: u32, walks: &WalkLanes<'_>, room: &mut CameraRoom<'s>) {
+    fn begin_merges(&self, together: u32, walks: &WalkLanes<'_>, scratch: &mut CameraScratch<'s>) {
         if self.merging.is_none() {
             return;
         }
         for lane in lanes_of(together) {
-            let vertex = room.vertices.get(lane, walks.n_vertices(lane));
-            self.begin_merge(lane, &vertex, None, &mut room.merges);
+            let vertex = scratch.vertices.get(lane, walks.n_vertices(lane));
+            self.begin_merge(lane, &vertex, None, &mut scratch.merges);
         }
     }
 
@@ -389,17 +399,22 @@ impl<'s> CameraEnd<'s> {
     }
 
     /// Merges all vertices of a step with what was found.
-    fn merge(&self, places: &[PixelPlace; LANES], room: &mut CameraRoom<'s>, sink: &mut Sink<'_>) {
+    fn merge(
+        &self,
+        places: &[PixelPlace; LANES],
+        scratch: &mut CameraScratch<'s>,
+        sink: &mut Sink<'_>,
+    ) {
         let Some(merging) = &self.merging else { return };
         let mut start = 0;
-        for merge in room.merges.drain(..) {
-            let near = &room.near[start..merge.end];
+        for merge in scratch.merges.drain(..) {
+            let near = &scratch.near[start..merge.end];
             start = merge.end;
             let in_lane;
             let vertex = match &merge.alone {
                 Some(vertex) => vertex,
                 None => {
-                    in_lane = room.vertices.get(merge.lane, merge.n_vertices);
+                    in_lane = scratch.vertices.get(merge.lane, merge.n_vertices);
                     &in_lane
                 }
             };
@@ -411,13 +426,13 @@ impl<'s> CameraEnd<'s> {
 
 vectorized! {
     /// Aims at the lights.
-    fn aim(vertices: &VertexLanes<'_>, events: &mut Events, weighing: &Weighing) {
+    fn aim(vertices: &VertexLanes<'_>, events: &mut AimLanes, weighing: &MisWeights) {
         knowing_heuristic!(weighing => aim_lanes(vertices, events, weighing));
     }
 }
 
 #[inline(always)]
-fn aim_lanes(vertices: &VertexLanes<'_>, events: &mut Events, weighing: &Weighing) {
+fn aim_lanes(vertices: &VertexLanes<'_>, events: &mut AimLanes, weighing: &MisWeights) {
     for lane in 0..LANES {
         let vertex = vertices.get(lane, 0);
         let point = &vertex.surface.point;

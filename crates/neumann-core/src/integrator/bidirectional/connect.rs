@@ -2,7 +2,7 @@
 //! connect two vertices. Each yields a contribution with its weight, visibility asked last.
 
 use super::weights::{EndDensities, JointDensities};
-use super::{Vertex, Walk, Weighing};
+use super::{MisWeights, Vertex, Walk};
 use crate::accel::Hit;
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::LightSample;
@@ -19,7 +19,7 @@ pub fn hit_emitter(
     tracer: &Tracer<'_>,
     walk: &Walk,
     vertex: &Vertex<'_>,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) -> Option<Contribution> {
     let emitted = tracer.emitted(&vertex.surface);
     if emitted.is_black() {
@@ -53,7 +53,7 @@ pub fn hit_emitter(
 pub fn hit_environment(
     tracer: &Tracer<'_>,
     walk: &Walk,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) -> Option<Contribution> {
     let lights = tracer.scene.lights();
     let radiance = lights.environment_radiance(walk.ray.direction());
@@ -78,7 +78,7 @@ pub fn next_event(
     tracer: &mut Tracer<'_>,
     vertex: &Vertex<'_>,
     u: &LightSample,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) -> Option<Contribution> {
     let lights = tracer.scene.lights();
     let aim = lights.aim(&vertex.surface.receiver(), LightChoice::Tree, u)?;
@@ -96,7 +96,7 @@ pub fn next_event(
 pub(super) fn next_event_unshadowed(
     vertex: &Vertex<'_>,
     aim: &Aim,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) -> Option<(Rgb, f32)> {
     let surface = &vertex.surface;
     let scattering = surface.scattering(aim.wi, TransportMode::Radiance)?;
@@ -113,7 +113,7 @@ pub fn splat(
     vertex: &Vertex<'_>,
     u: [f32; 2],
     n_light_paths: usize,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) -> Option<(Vec2, Contribution)> {
     let splat = splat_unshadowed(camera, vertex, u, weighing)?;
     let surface = &vertex.surface;
@@ -130,7 +130,8 @@ pub fn splat(
     ))
 }
 
-/// What the lens sees of a light vertex if nothing is in the way, as if its subpath were the only one.
+/// What the lens sees of a light vertex if nothing is in the way, as if its subpath were the only
+/// one.
 pub(super) struct Splat {
     pub(super) raster: Vec2,
     pub(super) value: Rgb,
@@ -143,7 +144,7 @@ pub(super) fn splat_unshadowed(
     camera: &Camera,
     vertex: &Vertex<'_>,
     u: [f32; 2],
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) -> Option<Splat> {
     let surface = &vertex.surface;
     let (aim, raster) = camera.aim(surface.point.position, u)?;
@@ -165,7 +166,7 @@ pub fn hit_lens(
     walk: &Walk,
     found: Option<&Hit>,
     n_light_paths: usize,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) -> Option<(Vec2, Contribution)> {
     // The light itself, seen directly, is left to the camera.
     if walk.n_vertices < 2 {
@@ -192,7 +193,7 @@ pub fn connect(
     tracer: &mut Tracer<'_>,
     camera: &Vertex<'_>,
     light: &Vertex<'_>,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) -> Option<Contribution> {
     let joint = connect_unshadowed(camera, light, weighing)?;
     let from = &camera.surface;
@@ -221,7 +222,7 @@ pub(super) struct Joint {
 pub(super) fn connect_unshadowed(
     camera: &Vertex<'_>,
     light: &Vertex<'_>,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) -> Option<Joint> {
     let from = &camera.surface;
     let to = &light.surface;
@@ -295,7 +296,8 @@ pub fn see_light(
     } else {
         let towards = -start.direction;
         let (ray, raster, importance) = camera.look(towards, u)?;
-        // The density of its position is that of the disk across the scene, which plays no part here.
+        // The density of its position is that of the disk across the scene, which plays no part
+        // here.
         let pdf_w = lights.pmf_start(start.light) * start.densities.pdf_w;
         let value = start.value * (importance / pdf_w);
         let media = tracer.media_at_camera(&ray);
@@ -310,7 +312,8 @@ pub fn see_light(
     })
 }
 
-/// What a triangle emits from where it has started a ray towards the lens, if nothing is in the way, as if it had started no other.
+/// What a triangle emits from where it has started a ray towards the lens, if nothing is in the
+/// way, as if it had started no other.
 #[inline(always)]
 pub fn see_panel_unshadowed(
     camera: &Camera,

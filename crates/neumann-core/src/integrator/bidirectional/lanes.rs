@@ -1,7 +1,7 @@
 //! Subpaths side by side, from either end ([`crate::integrator::lanes`]).
 
 use super::walk::{Carried, CarriedLanes, of_first};
-use super::{Heuristic, Vertex, Walk, Weighing};
+use super::{Heuristic, MisWeights, Vertex, Walk};
 use crate::accel::HitLanes;
 use crate::bsdf::TransportMode;
 use crate::endpoint::ReceiverLanes;
@@ -46,7 +46,8 @@ pub(super) struct Directions {
     goes_on: Lanes<u32>,
 }
 
-/// Evaluates an expression with a [`Weighing`] of which the compiler knows the heuristic, or no vectors are made of what it does.
+/// Evaluates an expression with a [`MisWeights`] of which the compiler knows the heuristic, or no
+/// vectors are made of what it does.
 macro_rules! knowing_heuristic {
     ($weighing:ident => $value:expr) => {{
         let heuristic = $weighing.heuristic();
@@ -125,7 +126,7 @@ impl WalkLanes<'_> {
         together: u32,
         scene: &Scene,
         vertices: &mut VertexLanes<'_>,
-        weighing: &Weighing,
+        weighing: &MisWeights,
     ) {
         vertices.surfaces.complete(&self.common.rays);
         arrive(self, vertices, weighing);
@@ -149,7 +150,7 @@ impl WalkLanes<'_> {
         vertices: &VertexLanes<'_>,
         directions: &mut Directions,
         has_roulette: bool,
-        weighing: &Weighing,
+        weighing: &MisWeights,
     ) {
         let Directions {
             numbers, samples, ..
@@ -215,13 +216,13 @@ impl<'a> VertexLanes<'a> {
 }
 
 vectorized! {
-    fn arrive(walks: &WalkLanes<'_>, vertices: &mut VertexLanes<'_>, weighing: &Weighing) {
+    fn arrive(walks: &WalkLanes<'_>, vertices: &mut VertexLanes<'_>, weighing: &MisWeights) {
         knowing_heuristic!(weighing => arrive_lanes(walks, vertices, weighing));
     }
 }
 
 #[inline(always)]
-fn arrive_lanes(walks: &WalkLanes<'_>, vertices: &mut VertexLanes<'_>, weighing: &Weighing) {
+fn arrive_lanes(walks: &WalkLanes<'_>, vertices: &mut VertexLanes<'_>, weighing: &MisWeights) {
     let comes_from_infinity = walks.comes_from_infinity;
     for lane in 0..LANES {
         let mut carried = walks.carried.get(lane);
@@ -239,7 +240,7 @@ vectorized! {
         vertices: &VertexLanes<'_>,
         directions: &mut Directions,
         has_roulette: bool,
-        weighing: &Weighing,
+        weighing: &MisWeights,
     ) {
         knowing_heuristic!(weighing => {
             leave_lanes(walks, together, vertices, directions, has_roulette, weighing);
@@ -254,7 +255,7 @@ fn leave_lanes(
     vertices: &VertexLanes<'_>,
     directions: &mut Directions,
     has_roulette: bool,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) {
     let Directions {
         numbers,

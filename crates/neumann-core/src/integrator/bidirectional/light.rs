@@ -10,7 +10,7 @@ use super::connect::{
 };
 use super::lanes::{Directions, VertexLanes, WalkLanes, knowing_heuristic};
 use super::walk::{Carried, CarriedLanes};
-use super::{Heuristic, Partial, Vertex, Walk, Weighing};
+use super::{Heuristic, MisWeights, Partial, Vertex, Walk};
 use crate::accel::{Hit, HitLanes};
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::PanelLanes;
@@ -39,7 +39,7 @@ pub(in crate::integrator) struct LightEnd<'a> {
     pub(in crate::integrator) has_roulette: bool,
     /// How they bring light to the lens.
     pub(in crate::integrator) to_lens: ToLens,
-    pub(in crate::integrator) weighing: Weighing,
+    pub(in crate::integrator) weighing: MisWeights,
 }
 
 /// A light subpath that is to be walked.
@@ -396,7 +396,7 @@ impl LightVertex {
 
 vectorized! {
     /// Aims at the lens.
-    fn see(vertices: &VertexLanes<'_>, u: &[Lanes<f32>; 2], seen: &mut Unseen, camera: &Camera, weighing: &Weighing) {
+    fn see(vertices: &VertexLanes<'_>, u: &[Lanes<f32>; 2], seen: &mut Unseen, camera: &Camera, weighing: &MisWeights) {
         knowing_heuristic!(weighing => see_lanes(vertices, u, seen, camera, weighing));
     }
 }
@@ -407,7 +407,7 @@ fn see_lanes(
     u: &[Lanes<f32>; 2],
     seen: &mut Unseen,
     camera: &Camera,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) {
     for lane in 0..LANES {
         let vertex = vertices.get(lane, 0);
@@ -467,13 +467,13 @@ impl Starts {
 
 vectorized! {
     /// Starts subpaths, and aims at the lens from there.
-    fn start(starts: &mut Starts, camera: &Camera, weighing: &Weighing) {
+    fn start(starts: &mut Starts, camera: &Camera, weighing: &MisWeights) {
         knowing_heuristic!(weighing => start_lanes(starts, camera, weighing));
     }
 }
 
 #[inline(always)]
-fn start_lanes(starts: &mut Starts, camera: &Camera, weighing: &Weighing) {
+fn start_lanes(starts: &mut Starts, camera: &Camera, weighing: &MisWeights) {
     for lane in 0..LANES {
         let u = [
             starts.u_direction[0].get(lane),

@@ -1,9 +1,10 @@
-//! Vertices of light subpaths merged with one of a camera subpath, as if they were at the same point.
+//! Vertices of light subpaths merged with one of a camera subpath, as if they were at the same
+//! point.
 
 use glam::Vec3;
 
 use super::light::LightVertex;
-use super::{Partial, Vertex, Weighing};
+use super::{MisWeights, Partial, Vertex};
 use crate::film::{Contribution, Strategy};
 use crate::pass::{Collected, Sink};
 use crate::photons::{HashGrid, Near, Photon, Placed};
@@ -23,7 +24,8 @@ pub(in crate::integrator) struct Merging<'a> {
     grid: &'a HashGrid<Mergeable>,
     /// What it was filled with.
     paths: &'a Collected<LightVertex>,
-    /// One over the area of the disk in which vertices are merged, and over the number of light subpaths, 1/m².
+    /// One over the area of the disk in which vertices are merged, and over the number of light
+    /// subpaths, 1/m².
     per_merge: f32,
 }
 
@@ -75,13 +77,14 @@ impl<'a> Merging<'a> {
         self.grid
     }
 
-    /// Merges a camera vertex with those that are near it, as far as that makes a path short enough.
+    /// Merges a camera vertex with those that are near it, as far as that makes a path short
+    /// enough.
     pub(super) fn merge(
         &self,
         vertex: &Vertex<'_>,
         near: &[Near],
         max_bounces: u32,
-        weighing: &Weighing,
+        weighing: &MisWeights,
         sink: &mut Sink<'_>,
     ) {
         for found in near {

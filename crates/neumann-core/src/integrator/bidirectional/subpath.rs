@@ -1,11 +1,12 @@
 //! A camera vertex connected to the vertices of a light subpath, all at once.
 //!
-//! Where both ends of a connection are diffuse, as most are in most scenes, it is one lane of a vector; the others are
-//! made one by one ([`super::connect::connect`]). Either way they are the same to the last bit.
+//! Where both ends of a connection are diffuse, as most are in most scenes, it is one lane of a
+//! vector; the others are made one by one ([`super::connect::connect`]). Either way they are the
+//! same to the last bit.
 
 use super::connect::{connect, connect_unshadowed, contribution};
 use super::lanes::{VertexLanes, knowing_heuristic};
-use super::{Heuristic, Vertex, Weighing};
+use super::{Heuristic, MisWeights, Vertex};
 use crate::bsdf::{Bsdf, Lambert};
 use crate::film::{Contribution, Strategy};
 use crate::integrator::lanes::Unseen;
@@ -17,7 +18,7 @@ use crate::transport::{SurfaceVertex, Tracer};
 
 /// The vertices of a light subpath, to be connected to those of a camera subpath.
 pub(super) struct LightSubpath<'a> {
-    /// Those that are diffuse, each in a lane, in their order, as far as there is room;
+    /// Those that are diffuse, each in a lane, in their order, as far as there is scratch;
     diffuse: VertexLanes<'a>,
     /// how many vertices of the subpath end with each of them.
     n_vertices: [u16; LANES],
@@ -88,8 +89,8 @@ impl<'a> LightSubpath<'a> {
         }
     }
 
-    /// s ≥ 2: connects all vertices to one of a camera subpath, as far as that leaves a path short enough. What comes of it is
-    /// handed to `add`, or waits to be seen, and belongs to `place`.
+    /// s ≥ 2: connects all vertices to one of a camera subpath, as far as that leaves a path short
+    /// enough. What comes of it is handed to `add`, or waits to be seen, and belongs to `place`.
     #[allow(clippy::too_many_arguments, reason = "a path with all its ends")]
     #[inline]
     pub(super) fn connect(
@@ -97,7 +98,7 @@ impl<'a> LightSubpath<'a> {
         tracer: &mut Tracer<'_>,
         camera: &Vertex<'_>,
         max_bounces: u32,
-        weighing: &Weighing,
+        weighing: &MisWeights,
         waiting: &mut Waiting,
         place: PixelPlace,
         mut add: impl FnMut(PixelPlace, Contribution),
@@ -147,7 +148,7 @@ impl<'a> LightSubpath<'a> {
 
 vectorized! {
     /// Connects a diffuse vertex to those of all lanes.
-    fn join(camera: &Vertex<'_>, lambert: Lambert, lights: &VertexLanes<'_>, weighing: &Weighing, joined: &mut Unseen) {
+    fn join(camera: &Vertex<'_>, lambert: Lambert, lights: &VertexLanes<'_>, weighing: &MisWeights, joined: &mut Unseen) {
         knowing_heuristic!(weighing => join_lanes(camera, lambert, lights, weighing, joined));
     }
 }
@@ -157,7 +158,7 @@ fn join_lanes(
     camera: &Vertex<'_>,
     lambert: Lambert,
     lights: &VertexLanes<'_>,
-    weighing: &Weighing,
+    weighing: &MisWeights,
     joined: &mut Unseen,
 ) {
     let camera = Vertex {
@@ -188,7 +189,7 @@ mod tests {
     use super::{LightSubpath, Waiting, connect};
     use crate::endpoint::Camera;
     use crate::film::Contribution;
-    use crate::integrator::bidirectional::{Heuristic, Vertex, Walk, Weighing};
+    use crate::integrator::bidirectional::{Heuristic, MisWeights, Vertex, Walk};
     use crate::render::PixelPlace;
     use crate::sampling::Sampler;
     use crate::scene::Scene;
@@ -203,7 +204,7 @@ mod tests {
         mut walk: Walk,
         tracer: &mut Tracer<'a>,
         sampler: &Sampler<'_>,
-        weighing: &Weighing,
+        weighing: &MisWeights,
     ) -> Vec<Vertex<'a>> {
         let mut vertices = Vec::new();
         while let Some(vertex) = walk.meet(tracer, weighing) {
@@ -228,7 +229,7 @@ mod tests {
             let mut waiting = Waiting::default();
             let (mut n_connections, mut n_abreast) = (0, 0);
             for heuristic in [Heuristic::Balance, Heuristic::Power, Heuristic::Average] {
-                let weighing = Weighing::connections(heuristic, 1.0).merges(100, 0.01, true);
+                let weighing = MisWeights::connections(heuristic, 1.0).merges(100, 0.01, true);
                 for i in 0..300 {
                     let sampler = Sampler::new(31, i, 0);
                     let Some(start) = scene.lights().start(&start_sample(&sampler.start())) else {

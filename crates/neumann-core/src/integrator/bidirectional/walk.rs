@@ -5,7 +5,7 @@
 
 use glam::Vec2;
 
-use super::{Partial, Weighing};
+use super::{MisWeights, Partial};
 use crate::accel::Hit;
 use crate::bsdf::TransportMode;
 use crate::endpoint::{Camera, LightChoice, Lights, Receiver, Spread, Start};
@@ -72,7 +72,7 @@ side_by_side! {
 impl Carried {
     /// What a subpath from a light starts with.
     #[inline(always)]
-    pub(super) fn of_light(start: &Start, weighing: &Weighing) -> Self {
+    pub(super) fn of_light(start: &Start, weighing: &MisWeights) -> Self {
         let throughput = start.throughput();
         Self {
             throughput,
@@ -87,7 +87,7 @@ impl Carried {
         &mut self,
         surface: &SurfaceVertex<'_>,
         comes_from_infinity: bool,
-        weighing: &Weighing,
+        weighing: &MisWeights,
     ) {
         if weighing.has_others() {
             let d2 = surface.distance * surface.distance;
@@ -107,7 +107,7 @@ impl Carried {
         sample: &VertexSample,
         mode: TransportMode,
         has_roulette: bool,
-        weighing: &Weighing,
+        weighing: &MisWeights,
     ) -> f32 {
         self.throughput *= sample.throughput();
         let survival = if has_roulette && !sample.is_delta {
@@ -137,7 +137,7 @@ pub(super) fn of_first(
     lights: &Lights,
     light: usize,
     receiver: &Receiver,
-    weighing: &Weighing,
+    weighing: &MisWeights,
 ) -> Partial {
     let aim = lights.pmf_aim(receiver, LightChoice::Tree, light);
     weighing.choose(partial, aim / lights.pmf_start(light))
@@ -173,7 +173,7 @@ impl Walk {
         raster: Vec2,
         u: [f32; 2],
         tracer: &mut Tracer<'_>,
-        weighing: &Weighing,
+        weighing: &MisWeights,
     ) -> Self {
         let start = camera.ray(raster, u);
         Self {
@@ -195,7 +195,7 @@ impl Walk {
 
     /// A subpath that starts at a light.
     #[must_use]
-    pub fn from_light(start: &Start, tracer: &mut Tracer<'_>, weighing: &Weighing) -> Self {
+    pub fn from_light(start: &Start, tracer: &mut Tracer<'_>, weighing: &MisWeights) -> Self {
         Self {
             media: tracer.begin_at_light(start),
             comes_from_infinity: start.is_at_infinity(),
@@ -221,7 +221,11 @@ impl Walk {
 
     /// Goes along the segment to the next vertex; `None` where it leaves the scene.
     #[inline(always)]
-    pub fn meet<'a>(&mut self, tracer: &mut Tracer<'a>, weighing: &Weighing) -> Option<Vertex<'a>> {
+    pub fn meet<'a>(
+        &mut self,
+        tracer: &mut Tracer<'a>,
+        weighing: &MisWeights,
+    ) -> Option<Vertex<'a>> {
         let found = tracer.hit(&self.ray);
         self.arrive(found.as_ref(), tracer, weighing)
     }
@@ -232,7 +236,7 @@ impl Walk {
         &mut self,
         found: Option<&Hit>,
         tracer: &mut Tracer<'a>,
-        weighing: &Weighing,
+        weighing: &MisWeights,
     ) -> Option<Vertex<'a>> {
         let ray = self.ray;
         let carried = &mut self.carried;
@@ -270,7 +274,7 @@ impl Walk {
         tracer: &mut Tracer<'_>,
         u: &BounceNumbers,
         has_roulette: bool,
-        weighing: &Weighing,
+        weighing: &MisWeights,
     ) -> bool {
         let surface = &vertex.surface;
         let Some(sample) = surface.sample(u.bsdf(), self.mode) else {

@@ -68,11 +68,12 @@ side_by_side! {
 
 /// What all weights of an iteration have in common.
 #[derive(Clone, Copy, Debug)]
-pub struct Weighing {
+pub struct MisWeights {
     heuristic: Heuristic,
     /// Light subpaths for each camera subpath.
     light_paths: f32,
-    /// `of(η)`, with `η = N π r²` the density of merges over that of connections; 0 where nothing merges.
+    /// `of(η)`, with `η = N π r²` the density of merges over that of connections; 0 where nothing
+    /// merges.
     merges: f32,
     /// `of(1 / η)`; 0 where nothing merges or nothing is connected.
     connections: f32,
@@ -83,11 +84,13 @@ pub struct Weighing {
 pub struct JointDensities {
     /// Density of the new segment's direction at the camera vertex, 1/sr.
     pub camera_forward: f32,
-    /// Density, walking from the light, of going on from the camera vertex to its predecessor, 1/sr.
+    /// Density, walking from the light, of going on from the camera vertex to its predecessor,
+    /// 1/sr.
     pub camera_reverse: f32,
     /// Density of the new segment's direction at the light vertex, 1/sr.
     pub light_forward: f32,
-    /// Density, walking from the camera, of going on from the light vertex to its predecessor, 1/sr.
+    /// Density, walking from the camera, of going on from the light vertex to its predecessor,
+    /// 1/sr.
     pub light_reverse: f32,
     /// Cosine of the segment with the geometric normal at the camera vertex.
     pub camera_cos: f32,
@@ -97,8 +100,9 @@ pub struct JointDensities {
     pub distance_squared: f32,
 }
 
-impl Weighing {
-    /// Connections alone: bidirectional path tracing, with `light_paths` light subpaths for each camera subpath.
+impl MisWeights {
+    /// Connections alone: bidirectional path tracing, with `light_paths` light subpaths for each
+    /// camera subpath.
     #[must_use]
     pub fn connections(heuristic: Heuristic, light_paths: f32) -> Self {
         Self {
@@ -144,15 +148,16 @@ impl Weighing {
         Self { heuristic, ..self }
     }
 
-    /// True if techniques compete. Where none does, weights are 1 and nothing has to be carried along for them.
+    /// True if techniques compete. Where none does, weights are 1 and nothing has to be carried
+    /// along for them.
     #[inline]
     #[must_use]
     pub fn has_others(&self) -> bool {
         self.heuristic != Heuristic::Never
     }
 
-    /// Quantities of a ray as a light starts it, (31)-(33) without the geometry of the first segment and without the
-    /// choice of the light, see [`Self::choose`].
+    /// Quantities of a ray as a light starts it, (31)-(33) without the geometry of the first
+    /// segment and without the choice of the light, see [`Self::choose`].
     #[inline(always)]
     #[must_use]
     pub fn of_light(&self, start: &Start) -> Partial {
@@ -181,8 +186,8 @@ impl Weighing {
         }
     }
 
-    /// Quantities after a segment has met a surface under a cosine with its geometric normal, (34)-(36). The
-    /// squared length counts unless the segment comes from infinity: then it is 1.
+    /// Quantities after a segment has met a surface under a cosine with its geometric normal,
+    /// (34)-(36). The squared length counts unless the segment comes from infinity: then it is 1.
     #[inline(always)]
     #[must_use]
     pub fn arrive(&self, partial: Partial, distance_squared: f32, cos: f32) -> Partial {
@@ -194,8 +199,9 @@ impl Weighing {
         }
     }
 
-    /// Quantities at the first vertex that a light subpath meets, where they begin with `p_connect / p_trace`, (31): the
-    /// probability of choosing its light to aim at from there, over that of choosing it to start from.
+    /// Quantities at the first vertex that a light subpath meets, where they begin with `p_connect
+    /// / p_trace`, (31): the probability of choosing its light to aim at from there, over that of
+    /// choosing it to start from.
     #[inline]
     #[must_use]
     pub fn choose(&self, partial: Partial, aim_over_start: f32) -> Partial {
@@ -205,8 +211,8 @@ impl Weighing {
         }
     }
 
-    /// Quantities after a direction has been drawn, without the geometry of the new segment, (34)-(36).
-    /// Nothing joins at a delta lobe; its probabilities from either side count.
+    /// Quantities after a direction has been drawn, without the geometry of the new segment,
+    /// (34)-(36). Nothing joins at a delta lobe; its probabilities from either side count.
     #[inline(always)]
     #[must_use]
     pub fn scatter(
@@ -233,8 +239,9 @@ impl Weighing {
         }
     }
 
-    /// Weight of a camera subpath that ran into an emitter (s = 0), (43): the density with which the emitter would
-    /// have been aimed at (1/m², or 1/sr at infinity), and the densities with which it would have started the ray.
+    /// Weight of a camera subpath that ran into an emitter (s = 0), (43): the density with which
+    /// the emitter would have been aimed at (1/m², or 1/sr at infinity), and the densities with
+    /// which it would have started the ray.
     #[inline]
     #[must_use]
     pub fn hit(&self, at: Partial, pdf_aim: f32, start: StartDensities) -> f32 {
@@ -275,7 +282,8 @@ impl Weighing {
         } else {
             self.of(joint.forward * aim.opacity / aim.pdf_w)
         };
-        // What starts at the endpoint is chosen otherwise than what aims at it: p_trace / p_connect.
+        // What starts at the endpoint is chosen otherwise than what aims at it: p_trace /
+        // p_connect.
         let chosen = aim.start_over_aim * aim.spread.pdf_a_across(aim.distance);
         let reached = chosen * joint.cos / n;
         weight(
@@ -297,8 +305,9 @@ impl Weighing {
         )
     }
 
-    /// Weight of merging a light vertex into a camera vertex, (38)-(39): the densities at the camera vertex of the
-    /// direction that the photon came from, and of the one the camera subpath came from.
+    /// Weight of merging a light vertex into a camera vertex, (38)-(39): the densities at the
+    /// camera vertex of the direction that the photon came from, and of the one the camera subpath
+    /// came from.
     #[inline]
     #[must_use]
     pub fn merge(

@@ -24,7 +24,8 @@ pub(super) fn hit(bounce: u32, value: Rgb, mis_weight: f32) -> Contribution {
     }
 }
 
-/// Light found by aiming at an emitter from the vertex reached after `bounce - 1` scattering events.
+/// Light found by aiming at an emitter from the vertex reached after `bounce - 1` scattering
+/// events.
 #[inline]
 pub(super) fn connect(bounce: u32, value: Rgb, mis_weight: f32) -> Contribution {
     Contribution {

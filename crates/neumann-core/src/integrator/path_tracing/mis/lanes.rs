@@ -1,7 +1,7 @@
 //! Sixteen camera paths side by side ([`crate::integrator::lanes`]).
 //!
 //! Those that meet a plain diffuse surface and aim at a plain triangle make their step together,
-//! the others each by itself ([`Walk::step`]).
+//! the others each by itself ([`PathTracer::step`]).
 
 use crate::accel::{Hit, HitLanes};
 use crate::endpoint::light::PanelLanes;
@@ -16,13 +16,13 @@ use crate::transport::casters::ConeLanes;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
 use crate::transport::reflection::Aimed;
 
-use super::walk::{Carried, CarriedLanes, Path, Walk};
+use super::walk::{Carried, CarriedLanes, Path, PathTracer};
 use crate::integrator::path_tracing::bsdf::MODE;
 use crate::integrator::path_tracing::connect;
 
 /// Traces the paths of all pixels.
 pub(super) fn trace(
-    walk: &Walk<'_>,
+    walk: &PathTracer<'_>,
     camera: &Camera,
     mut pixels: Pixels<'_>,
     tracer: &mut Tracer<'_>,
@@ -95,7 +95,7 @@ impl<'t> Paths<'t> {
 
     fn start(
         &mut self,
-        walk: &Walk<'_>,
+        walk: &PathTracer<'_>,
         lane: usize,
         pixel: PixelPath<'t>,
         camera: &Camera,
@@ -121,7 +121,7 @@ impl<'t> Paths<'t> {
     #[inline(never)]
     fn step(
         &mut self,
-        walk: &Walk<'_>,
+        walk: &PathTracer<'_>,
         lane: usize,
         found: Option<&Hit>,
         tracer: &mut Tracer<'_>,
@@ -171,12 +171,12 @@ impl<'t> Paths<'t> {
 /// A step of all paths that make it together.
 struct Step<'a> {
     vertices: DiffuseVertices<'a>,
-    events: Events,
+    events: StepLanes,
 }
 
 /// What is drawn at the vertices, and what comes of it.
 #[derive(Default)]
-struct Events {
+struct StepLanes {
     numbers: DirectionNumbers,
     panels: PanelLanes,
     cones: ConeLanes,
@@ -191,17 +191,17 @@ struct Events {
 }
 
 impl<'a> Step<'a> {
-    fn new(walk: &Walk<'a>) -> Self {
+    fn new(walk: &PathTracer<'a>) -> Self {
         Self {
             vertices: DiffuseVertices::new(walk.scene),
-            events: Events::default(),
+            events: StepLanes::default(),
         }
     }
 
     /// Takes the step in some lanes (one bit for each).
     fn take(
         &mut self,
-        walk: &Walk<'a>,
+        walk: &PathTracer<'a>,
         mut together: u32,
         paths: &mut Paths<'_>,
         hits: &HitLanes,
@@ -262,7 +262,7 @@ impl<'a> Step<'a> {
     }
 }
 
-impl Events {
+impl StepLanes {
     /// MIS weights where some directions are drawn towards casters.
     fn weigh_beside_casters(&mut self, casters: &[Caster], vertices: &DiffuseVertices<'_>) {
         self.cones.see(casters, vertices);
@@ -280,7 +280,7 @@ impl Events {
 
 vectorized! {
     /// Aims at the lights.
-    fn aim(vertices: &DiffuseVertices<'_>, events: &mut Events, paths: &Paths<'_>) {
+    fn aim(vertices: &DiffuseVertices<'_>, events: &mut StepLanes, paths: &Paths<'_>) {
         for lane in 0..LANES {
             let vertex = vertices.vertex(lane);
             let aim = events.panels.aim(lane, vertex.point.position);
@@ -301,7 +301,7 @@ vectorized! {
 
 vectorized! {
     /// Leaves the vertices along the directions that were drawn.
-    fn leave(vertices: &DiffuseVertices<'_>, events: &mut Events, paths: &mut Paths<'_>, together: u32, walk: &Walk<'_>) {
+    fn leave(vertices: &DiffuseVertices<'_>, events: &mut StepLanes, paths: &mut Paths<'_>, together: u32, walk: &PathTracer<'_>) {
         for lane in 0..LANES {
             let is_together = together >> lane & 1 != 0;
             let samples = &events.samples;

@@ -1,14 +1,14 @@
 //! Path tracing with multiple importance sampling.
 //!
-//! The last one plus one idea: light is both aimed at and run into, and each way
-//! is weighed by how well it samples the direction, `w_i = p_i² / (p_1² + p_2²)`
-//! ([Veach 1997] 9.2.3.2). A sky of one radiance is not aimed at: the BSDF samples it
-//! as it counts. Where there are mirrors or glass, a diffuse surface sends them some of its paths
-//! ([`crate::transport::casters`]). Where such a sky is the only light, a path splits in two at its first surface: nearly all of the
-//! error is in what of the sky is seen from there. Long paths end by Russian roulette on their throughput.
+//! The last one plus one idea: light is both aimed at and run into, and each way is weighed by how
+//! well it samples the direction, `w_i = p_i² / (p_1² + p_2²)` ([Veach 1997] 9.2.3.2). A sky of one
+//! radiance is not aimed at: the BSDF samples it as it counts. Where there are mirrors or glass, a
+//! diffuse surface sends them some of its paths ([`crate::transport::casters`]). Where such a sky
+//! is the only light, a path splits in two at its first surface: nearly all of the error is in what
+//! of the sky is seen from there. Long paths end by Russian roulette on their throughput.
 //!
-//! `Walk::step` is the method. `lanes` takes sixteen paths through it side by side, which changes no
-//! bit.
+//! `PathTracer::step` is the method. `lanes` takes sixteen paths through it side by side, which
+//! changes no bit.
 
 mod lanes;
 mod walk;
@@ -22,7 +22,7 @@ use crate::scene::Scene;
 use crate::transport::Tracer;
 
 use super::nee::{LIGHTS, light_choice};
-use walk::{N_SPLITS, Walk};
+use walk::{N_SPLITS, PathTracer};
 
 /// The row of the registry.
 pub static METHOD: Method = Method {
@@ -95,10 +95,10 @@ impl PixelIntegrator for Mis {
         sink: &mut PixelSink<'_>,
     ) {
         let scene = shot.scene;
-        let walk = Walk {
+        let walk = PathTracer {
             scene,
             max_bounces: shot.max_bounces,
-            splits: Walk::splits_in(scene),
+            splits: PathTracer::splits_in(scene),
             choice: self.choice,
             has_roulette: self.has_roulette,
             casters: if self.has_casters {
@@ -111,7 +111,11 @@ impl PixelIntegrator for Mis {
     }
 
     fn n_splits(&self, scene: &Scene) -> u8 {
-        if Walk::splits_in(scene) { N_SPLITS } else { 1 }
+        if PathTracer::splits_in(scene) {
+            N_SPLITS
+        } else {
+            1
+        }
     }
 
     fn is_adaptive(&self) -> bool {

@@ -16,7 +16,7 @@ use crate::transport::reflection::{Drawn, aim_at_light, light_sample};
 use crate::transport::{SurfaceVertex, Tracer, VertexSample};
 
 /// How paths walk.
-pub(super) struct Walk<'a> {
+pub(super) struct PathTracer<'a> {
     pub(super) scene: &'a Scene,
     pub(super) max_bounces: u32,
     pub(super) choice: LightChoice,
@@ -71,7 +71,7 @@ impl Path {
     }
 }
 
-impl Walk<'_> {
+impl PathTracer<'_> {
     /// True in a scene where paths split: one lit by nothing but a sky of one radiance.
     pub(super) fn splits_in(scene: &Scene) -> bool {
         let lights = scene.lights();
@@ -79,8 +79,8 @@ impl Walk<'_> {
         lights.as_slice().len() == 1 && sky.is_some_and(|radiance| !radiance.is_black())
     }
 
-    /// One step of a path, from what its ray has met on to the next ray; `None` where it ends. Others that it splits into, with
-    /// their random numbers, are handed to `split_off`.
+    /// One step of a path, from what its ray has met on to the next ray; `None` where it ends.
+    /// Others that it splits into, with their random numbers, are handed to `split_off`.
     #[allow(clippy::too_many_arguments, reason = "a path with all its ends")]
     #[inline(always)]
     pub(super) fn step<'t>(

@@ -61,8 +61,8 @@ pub struct BetterTree {
     geometry: Arc<Geometry>,
 }
 
-/// From so many triangles on, building the best tree takes longer than anybody likes to wait for a picture: about a tenth of a
-/// second on two processors.
+/// From so many triangles on, building the best tree takes longer than anybody likes to wait for a
+/// picture: about a tenth of a second on two processors.
 const SLOW_TREE_TRIANGLES: usize = 150_000;
 
 /// What a scene consists of.
@@ -91,8 +91,8 @@ impl Scene {
         Self::build_with(description, TreeQuality::Full, &OpeningProgress::default())
     }
 
-    /// As [`Self::build`], with a tree that is there soon where the scene is big: for whoever waits for the first picture,
-    /// and takes a [`Self::better_tree`] later.
+    /// As [`Self::build`], with a tree that is there soon where the scene is big: for whoever waits
+    /// for the first picture, and takes a [`Self::better_tree`] later.
     #[must_use]
     pub fn build_quickly(description: &SceneDescription, progress: &OpeningProgress) -> Self {
         let n_triangles: usize = description
@@ -232,7 +232,8 @@ impl Scene {
         }
     }
 
-    /// The best tree over its triangles, if it has been built quickly; takes seconds for millions of triangles.
+    /// The best tree over its triangles, if it has been built quickly; takes seconds for millions
+    /// of triangles.
     #[must_use]
     pub fn better_tree(&self) -> Option<BetterTree> {
         (self.bvh.quality() != TreeQuality::Full).then(|| BetterTree {
@@ -241,8 +242,8 @@ impl Scene {
         })
     }
 
-    /// The same scene with a better tree: rays are sooner, and not a bit of any picture changes. `None` if the tree was made
-    /// for another scene's triangles.
+    /// The same scene with a better tree: rays are sooner, and not a bit of any picture changes.
+    /// `None` if the tree was made for another scene's triangles.
     #[must_use]
     pub fn with_tree(&self, tree: &BetterTree) -> Option<Self> {
         Arc::ptr_eq(&self.geometry, &tree.geometry).then(|| Self {
@@ -303,7 +304,8 @@ impl Scene {
         &self.lights
     }
 
-    /// Mirrors and glass that may cast caustics, [`Caster::MAX`] at most; none where no light can be found by way of them.
+    /// Mirrors and glass that may cast caustics, [`Caster::MAX`] at most; none where no light can
+    /// be found by way of them.
     #[inline]
     #[must_use]
     pub fn casters(&self) -> &[Caster] {

@@ -7,13 +7,15 @@ use crate::film::{TILE, TILE_PIXELS, View};
 use crate::radiometry::Rgb;
 
 impl Film {
-    /// Copies of the means of all layers: `layers()[k][y * width + x]`, row 0 on top; the last one is the tail.
+    /// Copies of the means of all layers: `layers()[k][y * width + x]`, row 0 on top; the last one
+    /// is the tail.
     #[must_use]
     pub fn layers(&self) -> Vec<Vec<Rgb>> {
         (0..=self.n_layers).map(|k| self.layer(k)).collect()
     }
 
-    /// A copy of the mean of one layer, `layer(k)[y * width + x]`; the tail is layer [`Self::n_layers`].
+    /// A copy of the mean of one layer, `layer(k)[y * width + x]`; the tail is layer
+    /// [`Self::n_layers`].
     ///
     /// # Panics
     /// If there is no such layer.

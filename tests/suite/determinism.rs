@@ -9,11 +9,12 @@ use std::time::Duration;
 
 use glam::Vec3;
 use neumann_core::accel::TreeQuality;
-use neumann_core::film::Film;
+use neumann_core::film::{Contribution, Film, Strategy};
 use neumann_core::integrator::{
     Integrator, METHODS, Method, ParameterValues, PixelIntegrator, Shot, Sight, Value,
 };
 use neumann_core::pass::{PixelSink, Pixels};
+use neumann_core::radiometry::Rgb;
 use neumann_core::render::{CancelToken, Cancelled, Job, RenderLoop, Renderer, StopRule};
 use neumann_core::scene::description::{MeshDescription, SceneDescription};
 use neumann_core::scene::{OpeningProgress, Scene};
@@ -166,6 +167,45 @@ fn cancelling_is_heeded_within_a_row() {
         n_late <= 16 * n_threads,
         "{n_late} paths after the cancellation"
     );
+}
+
+/// A method that adds what is no radiance beside what is, and something very bright.
+struct Odd;
+
+impl PixelIntegrator for Odd {
+    fn trace(
+        &self,
+        _: &Shot<'_>,
+        pixels: Pixels<'_>,
+        _: &mut Tracer<'_>,
+        sink: &mut PixelSink<'_>,
+    ) {
+        pixels.one_by_one(sink, |_, _, sink| {
+            for value in [f32::NAN, f32::INFINITY, -1.0, 1e20] {
+                sink.add(Contribution {
+                    value: Rgb::splat(value),
+                    mis_weight: 1.0,
+                    bounce: 0,
+                    strategy: Strategy::hit(2),
+                });
+            }
+        });
+    }
+}
+
+static ODD: Method = Method {
+    id: "odd",
+    build: |_: &ParameterValues| Integrator::Pixels(Box::new(Odd)),
+    ..STUMBLING
+};
+
+#[test]
+fn what_is_no_radiance_is_refused_and_counted_and_the_rest_is_not_clamped() {
+    let setup = Setup::new(&builtin("cornell"), 17, 3).by(&ODD);
+    let film = setup.film(0, 2);
+    assert_eq!(film.n_refused(), 2 * 3 * 17 * 3);
+    let total = film.total();
+    assert!(total.iter().all(|radiance| *radiance == Rgb::splat(1e20)));
 }
 
 #[test]

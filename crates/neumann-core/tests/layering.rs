@@ -122,6 +122,77 @@ fn rooms_use_only_those_before_them() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
+/// Files of the core with their place in it.
+fn core_files() -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    files(&sources(), &mut found);
+    let inside = |path: &Path| path.strip_prefix(sources()).unwrap().display().to_string();
+    found
+        .into_iter()
+        .map(|(path, code)| (inside(&path), code))
+        .collect()
+}
+
+/// The words of code.
+fn words(code: &str) -> impl Iterator<Item = &str> {
+    code.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
+}
+
+#[test]
+fn the_core_knows_no_window_and_opens_files_in_two_rooms_only() {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+    let manifest = fs::read_to_string(manifest).unwrap();
+    for window in ["winit", "wgpu", "egui", "crossterm"] {
+        assert!(!manifest.contains(window), "the core depends on {window}");
+    }
+    for (path, code) in core_files() {
+        assert!(!code.contains("println!"), "{path} prints");
+        // Files as bytes that are there already are read by `openexr::File`.
+        let opens = ["std::fs", "fs::read", "std::fs::File"]
+            .iter()
+            .any(|name| code.contains(name));
+        let may = path.starts_with("scene/load") || path.starts_with("memory");
+        assert!(may || !opens, "{path} opens files");
+    }
+}
+
+#[test]
+fn integrators_know_neither_threads_nor_tiles() {
+    for (path, code) in core_files() {
+        if !path.starts_with("integrator") {
+            continue;
+        }
+        for word in [
+            "rayon",
+            "thread",
+            "par_iter",
+            "TILE",
+            "TILE_PIXELS",
+            "TileGrid",
+            "NextFilm",
+        ] {
+            assert!(
+                words(&code).all(|found| found != word),
+                "{path} names {word}"
+            );
+        }
+        assert!(
+            !code.contains("film::Frame") && !code.contains("film::Film"),
+            "{path}"
+        );
+    }
+}
+
+#[test]
+fn densities_say_their_measure() {
+    for (path, code) in core_files() {
+        assert!(
+            words(&code).all(|word| word != "pdf"),
+            "{path} has a bare pdf"
+        );
+    }
+}
+
 /// The names of modules beside each other in a folder that each of them uses.
 fn siblings(folder: &Path, files: &[(PathBuf, String)]) -> BTreeMap<String, BTreeSet<String>> {
     let inside = folder.strip_prefix(sources()).unwrap();

@@ -9,7 +9,10 @@
 mod batch_means;
 pub mod contribution;
 pub mod features;
-#[allow(clippy::module_inception, reason = "the room is called by what stands in it")]
+#[allow(
+    clippy::module_inception,
+    reason = "the room is called by what stands in it"
+)]
 mod film;
 mod frame;
 mod means;

@@ -1,21 +1,22 @@
-//! Multiple importance sampling: weights that add to one ([Veach 1997] ch. 9).
+//! Multiple importance sampling: weights that add to one ([Veach 1997] ch. 9). Densities may have
+//! any measure, if it is the same for both.
 
 /// Balance heuristic for one sample of each of two techniques ([Veach 1997] eq. 9.8).
 #[inline]
 #[must_use]
-pub fn balance_heuristic(pdf: f32, other_pdf: f32) -> f32 {
-    if pdf.is_infinite() {
+pub fn balance_heuristic(density: f32, other_density: f32) -> f32 {
+    if density.is_infinite() {
         return 1.0;
     }
-    pdf / (pdf + other_pdf)
+    density / (density + other_density)
 }
 
 /// Power heuristic with exponent 2 for one sample of each of two techniques ([Veach 1997] 9.2.3.2).
 #[inline]
 #[must_use]
-pub fn power_heuristic(pdf: f32, other_pdf: f32) -> f32 {
+pub fn power_heuristic(density: f32, other_density: f32) -> f32 {
     // The ratio cannot overflow where the squares of the densities could.
-    let ratio = other_pdf / pdf;
+    let ratio = other_density / density;
     1.0 / (1.0 + ratio * ratio)
 }
 

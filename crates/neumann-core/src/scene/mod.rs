@@ -14,7 +14,10 @@ pub mod geometry;
 mod lighting;
 pub mod load;
 mod progress;
-#[allow(clippy::module_inception, reason = "the room is called by what stands in it")]
+#[allow(
+    clippy::module_inception,
+    reason = "the room is called by what stands in it"
+)]
 mod scene;
 mod sky;
 

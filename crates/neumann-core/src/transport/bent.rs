@@ -111,18 +111,18 @@ impl Bent {
             TransportMode::Radiance => {
                 let x = self.seen_from(wo)?;
                 for v in self.sources(wi).iter() {
-                    let (f, pdf) = bsdf.eval_and_pdf_w(x, v, mode);
+                    let (f, lobe_pdf_w) = bsdf.eval_and_pdf_w(x, v, mode);
                     f_cos += f * v.z.abs();
-                    pdf_w += pdf;
+                    pdf_w += lobe_pdf_w;
                 }
             }
             TransportMode::Importance => {
                 let x = self.seen_from(wi)?;
                 let sources = self.sources(wo);
                 for v in sources.iter() {
-                    let (f, pdf) = bsdf.eval_and_pdf_w(v, x, mode);
+                    let (f, lobe_pdf_w) = bsdf.eval_and_pdf_w(v, x, mode);
                     f_cos += f * v.z.abs();
-                    pdf_w += pdf * sources.share(v);
+                    pdf_w += lobe_pdf_w * sources.share(v);
                 }
                 f_cos *= self.importance(wo, wi);
                 pdf_w *= self.share_of_camera(wi);

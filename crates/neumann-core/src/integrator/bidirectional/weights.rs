@@ -175,12 +175,12 @@ impl MisWeights {
     }
 
     #[inline(always)]
-    fn of_start(&self, pdf: f32, back: Option<(f32, StartDensities)>, n: f32) -> Partial {
+    fn of_start(&self, density: f32, back: Option<(f32, StartDensities)>, n: f32) -> Partial {
         let d_vc = back.map_or(0.0, |(cos, densities)| {
             self.of(n * cos / (densities.pdf_a * densities.pdf_w))
         });
         Partial {
-            d_vcm: self.of(n / pdf),
+            d_vcm: self.of(n / density),
             d_vc,
             d_vm: d_vc * self.connections,
         }

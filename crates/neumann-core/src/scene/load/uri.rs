@@ -1,7 +1,8 @@
-//! Data URIs, base64 and percent encoding.
-//!
-//! Written here because it is sixty lines: exporters break lines within base64,
-//! leave out its padding or percent-encode it, and all that is accepted.
+//! Data URIs, base64 and percent encoding: exporters break lines within base64, leave out its
+//! padding or percent-encode it, and all that is accepted.
+
+use data_url::forgiving_base64::decode_to_vec;
+use percent_encoding::percent_decode;
 
 /// What a URI of a buffer or an image turns out to be.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,58 +52,18 @@ fn scheme(uri: &str) -> Option<&str> {
 
 /// Replaces `%20` and the like; a stray percent sign stays as it is.
 fn percent_decoded(text: &[u8]) -> Vec<u8> {
-    let hex = |b: Option<&u8>| b.and_then(|&b| (b as char).to_digit(16));
-    let mut decoded = Vec::with_capacity(text.len());
-    let mut i = 0;
-    while i < text.len() {
-        match (hex(text.get(i + 1)), hex(text.get(i + 2))) {
-            (Some(high), Some(low)) if text[i] == b'%' => {
-                decoded.push((16 * high + low) as u8);
-                i += 3;
-            }
-            _ => {
-                decoded.push(text[i]);
-                i += 1;
-            }
-        }
-    }
-    decoded
+    percent_decode(text).collect()
 }
 
 /// RFC 4648, both alphabets; white space is skipped and padding optional.
 fn base64_decoded(text: &[u8]) -> Option<Vec<u8>> {
-    let mut decoded = Vec::with_capacity(text.len() / 4 * 3 + 3);
-    let mut bits = 0_u32;
-    let mut n_bits = 0;
-    let mut n_digits = 0_usize;
-    let mut is_over = false;
-    for &byte in text {
-        let digit = match byte {
-            b'A'..=b'Z' => byte - b'A',
-            b'a'..=b'z' => byte - b'a' + 26,
-            b'0'..=b'9' => byte - b'0' + 52,
-            b'+' | b'-' => 62,
-            b'/' | b'_' => 63,
-            b'=' => {
-                is_over = true;
-                continue;
-            }
-            _ if byte.is_ascii_whitespace() => continue,
-            _ => return None,
-        };
-        if is_over {
-            return None;
-        }
-        n_digits += 1;
-        bits = (bits << 6) | u32::from(digit);
-        n_bits += 6;
-        if n_bits >= 8 {
-            n_bits -= 8;
-            decoded.push((bits >> n_bits) as u8);
-            bits &= (1 << n_bits) - 1;
-        }
-    }
-    (n_digits % 4 != 1).then_some(decoded)
+    let standard = |byte: &u8| match byte {
+        b'-' => b'+',
+        b'_' => b'/',
+        other => *other,
+    };
+    let text: Vec<u8> = text.iter().map(standard).collect();
+    decode_to_vec(&text).ok()
 }
 
 #[cfg(test)]

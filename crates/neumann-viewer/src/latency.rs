@@ -234,24 +234,29 @@ impl Latencies {
             }
             self.awaited = Some(Awaited::View(sent));
         } else if i < 2 * n {
-            if let Some(control) = &mut app.setup.camera {
+            if let Some(control) = &mut app.session.setup.camera {
                 let turn = if i % 2 == 0 { 0.05 } else { -0.05 };
                 control.orbit(Vec2::new(turn, 0.0));
-                app.setup.is_changed = true;
+                app.session.setup.is_changed = true;
             }
             self.awaited = Some(Awaited::Camera(sent));
         } else if i == 2 * n {
             // One pause to climb the ladder, then the quiet time begins.
             self.awaited = None;
         } else if i == 2 * n + 1 {
-            self.quiet = Some((Instant::now(), app.picture.stats.n_iterations));
+            self.quiet = Some((Instant::now(), app.session.picture.stats.n_iterations));
         } else {
             if let Some((start, before)) = self.quiet {
-                let n = app.picture.stats.n_iterations.saturating_sub(before);
+                let n = app
+                    .session
+                    .picture
+                    .stats
+                    .n_iterations
+                    .saturating_sub(before);
                 self.with_window = f64::from(n) / start.elapsed().as_secs_f64();
             }
-            self.job = app.link.started().cloned();
-            self.size = app.picture.size;
+            self.job = app.session.link.started().cloned();
+            self.size = app.session.picture.size;
             return false;
         }
         true

@@ -8,7 +8,6 @@
 //! talks to the renderer. [`filmstrip`], [`stage`], [`panels`], [`top_bar`] and
 //! [`status`] are what one sees; [`keys`] is the one table of keys.
 
-mod actions;
 pub mod app;
 pub mod blind_spots;
 pub mod camera_control;
@@ -29,13 +28,16 @@ pub mod recent;
 pub mod render_link;
 pub mod save;
 pub mod scene_source;
+pub mod session;
 pub mod setup;
+pub mod shell;
 pub mod stage;
 pub mod status;
 mod surface;
 pub mod techniques;
 pub mod theme;
 pub mod top_bar;
+pub mod viewing;
 pub mod widgets;
 mod window;
 

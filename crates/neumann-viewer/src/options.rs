@@ -34,7 +34,7 @@ pub struct ViewOptions {
     /// When rendering is done.
     pub stop: StopRule,
     /// Which part of the series is shown.
-    pub view: View,
+    pub part: View,
     /// Exposure.
     pub exposure: Exposure,
     /// Tone curve.

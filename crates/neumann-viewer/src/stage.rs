@@ -24,22 +24,24 @@ pub const N_DRAWS: usize = 1;
 pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     let p = Palette::of(ui);
     let size = shown_size(app);
-    let placement = Placement::new(rect, ui.pixels_per_point(), size, &app.viewing);
+    let placement = Placement::new(rect, ui.pixels_per_point(), size, &app.viewing.settings);
     let response = ui.interact(rect, ui.scope_id().with("picture"), Sense::click_and_drag());
-    let caption = app.viewing.view.caption();
+    let caption = app.viewing.settings.part.caption();
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("picture: {caption}")));
     take_pointer(ui, &response, rect, &placement, app);
     // The pointer may just have moved the picture.
-    let placement = Placement::new(rect, ui.pixels_per_point(), size, &app.viewing);
-    app.placement = Some(placement);
-    app.picture.compose(&app.link, app.viewing.view);
-    let covered = if app.picture.is_there() {
+    let placement = Placement::new(rect, ui.pixels_per_point(), size, &app.viewing.settings);
+    app.viewing.placement = Some(placement);
+    app.session
+        .picture
+        .compose(&app.session.link, app.viewing.settings.part);
+    let covered = if app.session.picture.is_there() {
         placement.visible
     } else {
         Rect::NOTHING
     };
     fill_around(ui, rect, covered, p.ground);
-    if !app.picture.is_there() {
+    if !app.session.picture.is_there() {
         show_waiting(ui, rect, app);
         return;
     }
@@ -48,19 +50,19 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     image_area::draw(
         &painter,
         &placement,
-        &app.viewing,
-        &app.picture.planes,
+        &app.viewing.settings,
+        &app.session.picture.planes,
         pictures,
         0,
     );
     if placement.magnification > 16.0 && pictures == Pictures::One(Slot::Live) {
-        let exposure = app.viewing.exposure_ev.exp2();
-        app.link.read(|published| {
+        let exposure = app.viewing.settings.exposure_ev.exp2();
+        app.session.link.read(|published| {
             values::show(
                 &painter,
                 &placement,
                 &published.film,
-                app.viewing.view,
+                app.viewing.settings.part,
                 exposure,
             );
         });
@@ -70,8 +72,8 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     }
     caption_of(&painter, rect, app, &p);
     probe(ui, rect, &response, &placement, app, &p);
-    if app.viewing.is_false_colour || app.viewing.is_difference {
-        legend::show(&painter, rect, &app.viewing, &p);
+    if app.viewing.settings.is_false_colour || app.viewing.settings.is_difference {
+        legend::show(&painter, rect, &app.viewing.settings, &p);
     }
 }
 
@@ -79,7 +81,7 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
 fn show_waiting(ui: &Ui, rect: Rect, app: &App) {
     let p = Palette::of(ui);
     let painter = ui.painter();
-    let text = match (app.loading(), &app.setup.open) {
+    let text = match (app.loading(), &app.session.setup.open) {
         (Some(loading), _) => {
             let bar = Rect::from_center_size(
                 rect.center() + egui::vec2(0.0, 3.0 * GRID),
@@ -119,7 +121,7 @@ fn fill_around(ui: &Ui, rect: Rect, covered: Rect, color: egui::Color32) {
 
 /// Moves the camera while keys for flying are held.
 pub fn fly(ctx: &Context, app: &mut App) {
-    if ctx.text_edit_focused() || app.setup.camera.is_none() {
+    if ctx.text_edit_focused() || app.session.setup.camera.is_none() {
         return;
     }
     let step = ctx.input(|i| {
@@ -142,38 +144,40 @@ pub fn fly(ctx: &Context, app: &mut App) {
     if step == Vec3::ZERO {
         return;
     }
-    if let Some(control) = &mut app.setup.camera {
+    if let Some(control) = &mut app.session.setup.camera {
         control.fly(step * control.radius());
-        app.setup.is_changed = true;
+        app.session.setup.is_changed = true;
         ctx.request_repaint();
     }
-}
-
-/// What the present picture is, in short.
-#[must_use]
-pub fn label_of(app: &App) -> String {
-    let view = app.viewing.view;
-    let n = app.picture.stats.n_iterations;
-    format!("{view} · {} · {n}", app.setup.method().title)
 }
 
 /// Size at which the film stands on the screen: what was asked for, or, while the
 /// picture is of something older, its own.
 fn shown_size(app: &App) -> (usize, usize) {
-    if app.is_current() && app.setup.size != (0, 0) && app.link.started().is_some() {
-        return app.link.started().map_or(app.setup.size, |job| {
-            (job.settings.width, job.settings.height)
-        });
+    if app.session.is_current()
+        && app.session.setup.size != (0, 0)
+        && app.session.link.started().is_some()
+    {
+        return app
+            .session
+            .link
+            .started()
+            .map_or(app.session.setup.size, |job| {
+                (job.settings.width, job.settings.height)
+            });
     }
-    let (w, h) = app.picture.size;
-    (w * app.picture.divisor, h * app.picture.divisor)
+    let (w, h) = app.session.picture.size;
+    (
+        w * app.session.picture.divisor,
+        h * app.session.picture.divisor,
+    )
 }
 
 fn pictures(app: &App) -> Pictures {
-    if app.viewing.is_difference && app.picture.reference.is_some() {
+    if app.viewing.settings.is_difference && app.session.picture.reference.is_some() {
         Pictures::Difference(Slot::Live, Slot::Reference)
-    } else if app.viewing.is_wiping && app.picture.held[0].is_some() {
-        let right = if app.picture.held[1].is_some() {
+    } else if app.viewing.settings.is_wiping && app.session.picture.held[0].is_some() {
+        let right = if app.session.picture.held[1].is_some() {
             Slot::HeldB
         } else {
             Slot::Live
@@ -192,11 +196,11 @@ fn take_pointer(ui: &Ui, response: &Response, rect: Rect, placement: &Placement,
         && (magnify - 1.0).abs() > 1e-3
     {
         let anchor = placement.fraction(at).unwrap_or([0.5, 0.5]);
-        image_area::zoom(&mut app.viewing, placement, magnify, anchor);
+        image_area::zoom(&mut app.viewing.settings, placement, magnify, anchor);
         return;
     }
     if response.double_clicked() {
-        app.viewing.zoom = None;
+        app.viewing.settings.zoom = None;
     }
     if response.clicked() && modifiers.alt {
         focus_at(response.interact_pointer_pos(), placement, app);
@@ -205,14 +209,14 @@ fn take_pointer(ui: &Ui, response: &Response, rect: Rect, placement: &Placement,
     let drag = response.drag_delta();
     if response.dragged_by(PointerButton::Secondary) {
         let moved = drag / placement.film.size();
-        let center = &mut app.viewing.center;
+        let center = &mut app.viewing.settings.center;
         *center = [
             (center[0] - moved.x).clamp(0.0, 1.0),
             (center[1] - moved.y).clamp(0.0, 1.0),
         ];
         return;
     }
-    let Some(control) = &mut app.setup.camera else {
+    let Some(control) = &mut app.session.setup.camera else {
         return;
     };
     let unit = rect.height().max(1.0);
@@ -221,17 +225,17 @@ fn take_pointer(ui: &Ui, response: &Response, rect: Rect, placement: &Placement,
     if is_panning && drag != Vec2::ZERO {
         let height = placement.film.height().max(1.0);
         control.pan(Plane::new(drag.x, drag.y) / height);
-        app.setup.is_changed = true;
+        app.session.setup.is_changed = true;
         ctx.set_cursor_icon(CursorIcon::Move);
     } else if response.dragged_by(PointerButton::Primary) && drag != Vec2::ZERO {
         control.orbit(Plane::new(drag.x, drag.y) * (std::f32::consts::PI / unit));
-        app.setup.is_changed = true;
+        app.session.setup.is_changed = true;
         ctx.set_cursor_icon(CursorIcon::Grabbing);
     }
     let wheel = ctx.input(|i| i.smooth_scroll_delta().y);
     if pointer.is_some() && wheel.abs() > 0.0 {
         control.dolly((-wheel * 0.002).exp());
-        app.setup.is_changed = true;
+        app.session.setup.is_changed = true;
     }
 }
 
@@ -239,8 +243,8 @@ fn take_pointer(ui: &Ui, response: &Response, rect: Rect, placement: &Placement,
 fn focus_at(at: Option<Pos2>, placement: &Placement, app: &mut App) {
     let (Some(fraction), Some(open), Some(control)) = (
         at.and_then(|at| placement.fraction(at)),
-        &app.setup.open,
-        &mut app.setup.camera,
+        &app.session.setup.open,
+        &mut app.session.setup.camera,
     ) else {
         return;
     };
@@ -250,7 +254,7 @@ fn focus_at(at: Option<Pos2>, placement: &Placement, app: &mut App) {
     // The middle of the lens.
     let ray = camera.ray(raster, [0.5, 0.5]).ray;
     let Some(vertex) = Tracer::new(&open.scene).vertex(&ray) else {
-        app.notices.failure("Nothing to focus on there");
+        app.shell.notices.failure("Nothing to focus on there");
         return;
     };
     let mut lens = control.lens();
@@ -260,13 +264,13 @@ fn focus_at(at: Option<Pos2>, placement: &Placement, app: &mut App) {
         lens.aperture = 0.02 * lens.focus_distance;
     }
     control.set_lens(lens);
-    app.setup.is_changed = true;
+    app.session.setup.is_changed = true;
 }
 
 fn wipe(ui: &Ui, rect: Rect, placement: &Placement, app: &mut App) {
     let p = Palette::of(ui);
     let film = placement.film;
-    let x = film.left() + film.width() * app.viewing.wipe;
+    let x = film.left() + film.width() * app.viewing.settings.wipe;
     let grip = Rect::from_min_max(
         pos2(x - 6.0, placement.visible.top()),
         pos2(x + 6.0, placement.visible.bottom()),
@@ -275,19 +279,23 @@ fn wipe(ui: &Ui, rect: Rect, placement: &Placement, app: &mut App) {
         .interact(grip, ui.scope_id().with("wipe"), Sense::drag())
         .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
     response.widget_info(|| {
-        WidgetInfo::slider(true, f64::from(app.viewing.wipe), "wipe between A and B")
+        WidgetInfo::slider(
+            true,
+            f64::from(app.viewing.settings.wipe),
+            "wipe between A and B",
+        )
     });
     if let Some(at) = response.interact_pointer_pos() {
-        app.viewing.wipe = ((at.x - film.left()) / film.width()).clamp(0.0, 1.0);
+        app.viewing.settings.wipe = ((at.x - film.left()) / film.width()).clamp(0.0, 1.0);
     }
     let painter = ui.painter().with_clip_rect(rect);
     painter.vline(x.round() + 0.5, grip.y_range(), (1.0, p.amber));
-    let live = label_of(app);
+    let live = app.session.label(app.viewing.settings.part);
     let labels = [
-        app.picture.held[0]
+        app.session.picture.held[0]
             .as_ref()
             .map_or("", |h| h.label.as_str()),
-        app.picture.held[1]
+        app.session.picture.held[1]
             .as_ref()
             .map_or(live.as_str(), |h| h.label.as_str()),
     ];
@@ -317,17 +325,18 @@ pub(crate) fn plate(p: &Palette) -> egui::Color32 {
 }
 
 fn caption_of(painter: &egui::Painter, rect: Rect, app: &App, p: &Palette) {
-    let view = app.viewing.view;
-    let (formula, text) = if app.viewing.is_difference && app.picture.reference.is_some() {
-        (None, "difference to the reference, in luminance".to_owned())
-    } else if view.layers(app.picture.n_layers).is_none() {
-        (
-            Some(view),
-            "not kept apart; raise the number of terms".to_owned(),
-        )
-    } else {
-        (Some(view), view.caption())
-    };
+    let view = app.viewing.settings.part;
+    let (formula, text) =
+        if app.viewing.settings.is_difference && app.session.picture.reference.is_some() {
+            (None, "difference to the reference, in luminance".to_owned())
+        } else if view.layers(app.session.picture.n_layers).is_none() {
+            (
+                Some(view),
+                "not kept apart; raise the number of terms".to_owned(),
+            )
+        } else {
+            (Some(view), view.caption())
+        };
     let at = rect.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
     let formula = formula.map(|view: View| Formula::full(painter, view, theme::CAPTION, p.text));
     let below = formula
@@ -360,13 +369,13 @@ fn caption_of(painter: &egui::Painter, rect: Rect, app: &App, p: &Palette) {
 
 /// What the method on screen cannot see of this view, if the picture is of it.
 fn blind_spots_of(app: &App) -> Option<String> {
-    let open = app.setup.open.as_ref()?;
-    if app.viewing.is_difference || !app.is_current() {
+    let open = app.session.setup.open.as_ref()?;
+    if app.viewing.settings.is_difference || !app.session.is_current() {
         return None;
     }
-    let (view, n_layers) = (app.viewing.view, app.picture.n_layers);
+    let (view, n_layers) = (app.viewing.settings.part, app.session.picture.n_layers);
     blind_spots::note(
-        app.setup.method().sight,
+        app.session.setup.method().sight,
         open.scene.appearance(),
         view,
         n_layers,
@@ -377,10 +386,10 @@ fn probe(ui: &Ui, rect: Rect, response: &Response, placement: &Placement, app: &
     let Some(fraction) = response.hover_pos().and_then(|at| placement.fraction(at)) else {
         return;
     };
-    let reading = app.link.read(|published| {
+    let reading = app.session.link.read(|published| {
         Reading::new(
             &published.film,
-            app.viewing.view,
+            app.viewing.settings.part,
             fraction,
             published.divisor.max(1),
         )
@@ -417,7 +426,7 @@ fn bounce_bars(painter: &egui::Painter, spot: Rect, reading: &Reading, app: &App
         spot.max - Vec2::new(0.0, 10.0),
     );
     let pitch = area.width() / n as f32;
-    let shown = app.viewing.view.layers(n - 1).unwrap_or(0..0);
+    let shown = app.viewing.settings.part.layers(n - 1).unwrap_or(0..0);
     for (k, value) in reading.bounces.iter().enumerate() {
         let height = (value / largest).clamp(0.0, 1.0) * area.height();
         let x = area.left() + k as f32 * pitch;

@@ -15,11 +15,12 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
-use crate::app::{App, WindowRequest};
+use crate::app::App;
 use crate::latency::{Latencies, Plan};
 use crate::options::{ViewError, ViewOptions};
 use crate::recent::Recent;
 use crate::render_link::RenderLink;
+use crate::shell::WindowRequest;
 use crate::surface::Surface;
 
 /// What reaches the window beside winit's own events.
@@ -140,7 +141,7 @@ impl Handler {
         let mut app = App::new(link, options, move || {
             let _ = proxy.send_event(Event::Wake);
         });
-        app.recent = Recent::load();
+        app.shell.recent = Recent::load();
         app.open_first_scene();
         // The scene is read while the graphics device gets ready.
         let start = Instant::now();
@@ -227,7 +228,7 @@ impl ApplicationHandler<Event> for Handler {
         };
         match event {
             Event::Published => {
-                if running.app.is_current() {
+                if running.app.session.is_current() {
                     running.wake_at(running.due());
                 } else {
                     running.window.request_redraw();
@@ -280,10 +281,10 @@ impl Running {
         self.is_announced.store(false, Ordering::Release);
         self.next = None;
         let start = Instant::now();
-        let n_starts = self.app.link.n_starts();
+        let n_starts = self.app.session.link.n_starts();
         let mut output = self.lay_out();
         let mut laid_out = start.elapsed();
-        if self.app.link.n_starts() != n_starts && self.first_frame_comes() {
+        if self.app.session.link.n_starts() != n_starts && self.first_frame_comes() {
             // One frame that shows what was asked for is there sooner than one that
             // does not and a second one that does.
             let start = Instant::now();
@@ -306,11 +307,11 @@ impl Running {
         self.drawn = Instant::now();
         self.cost = presenting.elapsed();
         if let Some(latencies) = latencies {
-            let is_current = self.app.is_current();
+            let is_current = self.app.session.is_current();
             let share = laid_out + prepared.unwrap_or_default();
-            latencies.frame_presented(is_current, share, &self.app.picture);
+            latencies.frame_presented(is_current, share, &self.app.session.picture);
         }
-        for request in std::mem::take(&mut self.app.requests) {
+        for request in std::mem::take(&mut self.app.shell.requests) {
             match request {
                 WindowRequest::Quit => close(self, event_loop),
                 WindowRequest::Fullscreen => {
@@ -328,7 +329,7 @@ impl Running {
     /// On a software adapter a frame costs the renderer time: at full resolution, where each
     /// iteration changes little, frames take an eighth of it at most.
     fn due(&self) -> Instant {
-        let is_climbing = self.app.picture.divisor > 1;
+        let is_climbing = self.app.session.picture.divisor > 1;
         let pause = if !self.is_software || is_climbing {
             self.period
         } else {
@@ -345,7 +346,7 @@ impl Running {
     /// Waits a moment for the first frame of what has just been started; true if it has come.
     fn first_frame_comes(&self) -> bool {
         let start = Instant::now();
-        let link = &self.app.link;
+        let link = &self.app.session.link;
         while !link.is_paused() && start.elapsed() < COARSE_PATIENCE {
             if link.read(|published| published.generation) == link.generation() {
                 return true;

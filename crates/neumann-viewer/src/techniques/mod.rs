@@ -45,7 +45,7 @@ impl TechniqueView {
         *self = Self {
             is_open: true,
             image: self.image,
-            opened_on: viewing.view,
+            opened_on: viewing.part,
             ..Self::default()
         };
     }
@@ -94,33 +94,39 @@ impl TechniqueView {
 
 /// Opens the view, or closes it.
 pub fn toggle(app: &mut App) {
-    if app.techniques.is_open {
-        app.techniques.close();
-    } else if app.setup.method().has_techniques {
-        app.techniques.open(&app.viewing);
+    if app.viewing.techniques.is_open {
+        app.viewing.techniques.close();
+    } else if app.session.setup.method().has_techniques {
+        app.viewing.techniques.open(&app.viewing.settings);
     } else {
-        let name = app.setup.method().name;
+        let name = app.session.setup.method().name;
         let text = format!("{name} makes each path in one way only; BDPT and VCM have techniques");
-        app.notices.failure(text);
+        app.shell.notices.failure(text);
     }
 }
 
 /// Once a frame: closes the view where it has become pointless, lets the renderer keep techniques apart
 /// for as long as it is open, and takes over what is new.
 pub fn attend(app: &mut App) {
-    let view = &mut app.techniques;
-    if view.is_open && (!app.setup.method().has_techniques || app.viewing.view != view.opened_on) {
+    let view = &mut app.viewing.techniques;
+    if view.is_open
+        && (!app.session.setup.method().has_techniques
+            || app.viewing.settings.part != view.opened_on)
+    {
         view.close();
     }
-    if app.link.is_recording() != view.is_open {
-        app.link.record_techniques(view.is_open);
+    if app.session.link.is_recording() != view.is_open {
+        app.session.link.record_techniques(view.is_open);
     }
-    if !view.is_open || view.read == Some(app.picture.version) {
+    if !view.is_open || view.read == Some(app.session.picture.version) {
         return;
     }
-    view.read = Some(app.picture.version);
+    view.read = Some(app.session.picture.version);
     // What was kept last stays while a job has nothing new yet.
-    if let Some(film) = app.link.read(|published| published.techniques.clone())
+    if let Some(film) = app
+        .session
+        .link
+        .read(|published| published.techniques.clone())
         && view
             .film
             .as_ref()

@@ -31,13 +31,13 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     let p = Palette::of(ui);
     ground::fill(ui, rect, p.ground);
     let head = Rect::from_min_size(rect.min, Vec2::new(rect.width(), HEAD));
-    let view = &mut app.techniques;
+    let view = &mut app.viewing.techniques;
     head_line(ui, head, view, &p);
     let below = Rect::from_min_max(pos2(rect.left(), head.bottom()), rect.max);
     let Some(film) = view.film.clone() else {
-        let text = if app.link.is_paused() {
+        let text = if app.session.link.is_paused() {
             "paused: nothing is recorded until rendering goes on"
-        } else if app.picture.stats.is_done {
+        } else if app.session.picture.stats.is_done {
             "done: begin again (R) to record"
         } else {
             "recording …"
@@ -48,9 +48,9 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
         return;
     };
     if let Some(strategy) = view.enlarged {
-        enlarged(ui, below, view, &film, &app.viewing, strategy);
+        enlarged(ui, below, view, &film, &app.viewing.settings, strategy);
     } else {
-        pyramid(ui, below, view, &film, &app.viewing);
+        pyramid(ui, below, view, &film, &app.viewing.settings);
     }
 }
 

@@ -111,7 +111,7 @@ fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
         seed: Some(settings.seed),
         size: settings.size,
         stop,
-        view: arguments.view,
+        part: arguments.view,
         exposure: match arguments.display.exposure {
             None => neumann_viewer::Exposure::ForScene,
             Some(Exposure::Stops(stops)) => neumann_viewer::Exposure::Stops(stops),

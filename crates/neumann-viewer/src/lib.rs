@@ -1,18 +1,19 @@
 //! The window: light transport live, bounce by bounce.
 //!
-//! Rooms, in reading order: [`options`] says how the window begins; [`app`] owns
-//! all state and draws one frame, the same for the window (`window`), for
-//! screenshots without a display ([`offscreen`]) and for tests. [`setup`] is what is
-//! rendered, [`display`] how it is looked at,
-//! [`techniques`] what each technique of a bidirectional method adds; [`render_link`] is the only file that
-//! talks to the renderer. [`filmstrip`], [`stage`], [`panels`], [`top_bar`] and
-//! [`status`] are what one sees; [`keys`] is the one table of keys.
+//! Rooms, in reading order: [`options`] says how the window begins; [`app`] draws one frame, the
+//! same for the window (`window`), for screenshots without a display ([`offscreen`]) and for tests.
+//! It holds a [`session`], which is what is rendered ([`setup`]), the line to the renderer
+//! ([`render_link`], the only file that talks to it) and the film ([`picture`]); how that is looked
+//! at ([`viewing`], [`display`]); and the [`shell`] around it. [`views`] are what can stand on the
+//! stage, the picture first. [`filmstrip`], [`panels`], [`top_bar`] and [`status`] are the rest of
+//! what one sees; [`keys`] is the one table of keys.
 
 pub mod app;
 pub mod blind_spots;
 pub mod camera_control;
 pub mod display;
 pub mod filmstrip;
+pub mod flight;
 pub mod formula;
 pub mod gallery;
 pub mod help;
@@ -31,13 +32,12 @@ pub mod scene_source;
 pub mod session;
 pub mod setup;
 pub mod shell;
-pub mod stage;
 pub mod status;
 mod surface;
-pub mod techniques;
 pub mod theme;
 pub mod top_bar;
 pub mod viewing;
+pub mod views;
 pub mod widgets;
 mod window;
 

@@ -3,27 +3,23 @@
 use std::path::{Path, PathBuf};
 
 use egui::{Color32, ColorImage, Context};
-use neumann_core::film::View as Part;
-use neumann_core::radiometry::Rgb;
-use neumann_picture::Image;
 use neumann_picture::exr_file::write_exr;
-use neumann_picture::png_file::{Pixels8, write_png};
+use neumann_picture::png_file::write_png;
 use neumann_picture::sheet::{SheetInfo, sheet as lay_out_sheet};
 
 use crate::display::ViewSettings;
 use crate::session::Session;
 use crate::shell::Shell;
+use crate::viewing::Viewing;
 
-/// Saves the picture as it is shown, tone curve and all.
-pub fn png(session: &Session, settings: &ViewSettings, shell: &mut Shell) {
-    let Some(image) = image_of(session, settings.part) else {
+/// Saves what is shown, tone curve and all.
+pub fn png(session: &Session, viewing: &Viewing, shell: &mut Shell) {
+    let Some(image) = viewing.views.image(session, &viewing.settings) else {
         return nothing(shell);
     };
-    let display = settings.display();
-    let path = path_of(session, &settings.part.to_string(), "png");
+    let path = path_of(session, &image.name, "png");
     shell.background.save(move || {
-        let pixels = Pixels8::of(&image, &display);
-        write_png(&path, &pixels).map_err(|e| e.to_string())?;
+        write_png(&path, &(image.pixels)()).map_err(|e| e.to_string())?;
         Ok(format!("Saved {}", shown(&path)))
     });
 }
@@ -58,16 +54,14 @@ pub fn sheet(session: &Session, settings: &ViewSettings, shell: &mut Shell) {
     });
 }
 
-/// Copies the picture as it is shown.
-pub fn copy(ctx: &Context, session: &Session, settings: &ViewSettings, shell: &mut Shell) {
-    let Some(image) = image_of(session, settings.part) else {
+/// Copies what is shown.
+pub fn copy(ctx: &Context, session: &Session, viewing: &Viewing, shell: &mut Shell) {
+    let Some(image) = viewing.views.image(session, &viewing.settings) else {
         return nothing(shell);
     };
-    let display = settings.display();
-    let pixels = image.pixels.iter().map(|p| {
-        let [r, g, b] = display.srgb8(*p);
-        Color32::from_rgb(r, g, b)
-    });
+    let image = (image.pixels)();
+    let pixels = image.pixels.into_iter();
+    let pixels = pixels.map(|[r, g, b]| Color32::from_rgb(r, g, b));
     ctx.copy_image(ColorImage::new(
         [image.width, image.height],
         pixels.collect(),
@@ -77,23 +71,6 @@ pub fn copy(ctx: &Context, session: &Session, settings: &ViewSettings, shell: &m
 
 fn nothing(shell: &mut Shell) {
     shell.notices.failure("There is no picture yet to save");
-}
-
-/// A part of the film at full resolution; `None` before the first frame.
-fn image_of(session: &Session, part: Part) -> Option<Image> {
-    session.picture.is_there().then(|| {
-        session.link.read(|published| {
-            let film = &published.film;
-            let mut pixels = vec![Rgb::BLACK; film.width() * film.height()];
-            film.compose(part, &mut pixels);
-            Image {
-                width: film.width(),
-                height: film.height(),
-                pixels,
-                ..Image::default()
-            }
-        })
-    })
 }
 
 /// A name that says what is in the file, in the folder where the program was started.

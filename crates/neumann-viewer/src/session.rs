@@ -7,11 +7,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use neumann_core::film::{Film, View as Part};
+use neumann_core::render::Published;
 use neumann_picture::exr_file::{IterationRanges, Metadata};
 
 use crate::picture::Picture;
 use crate::render_link::RenderLink;
 use crate::setup::Setup;
+use crate::views::Needs;
 
 /// A render, and the film that comes of it.
 pub struct Session {
@@ -120,19 +122,32 @@ impl Session {
     /// The film with how it was made; `None` while it is not of what has been asked for.
     #[must_use]
     pub fn film(&self) -> Option<(Film, Metadata)> {
+        self.is_current().then_some(())?;
+        self.link
+            .read(|published| Some((published.film.clone(), self.metadata_of(published)?)))
+    }
+
+    /// How the film was made; `None` while it is not of what has been asked for.
+    #[must_use]
+    pub fn metadata(&self) -> Option<Metadata> {
+        self.is_current().then_some(())?;
+        self.link.read(|published| self.metadata_of(published))
+    }
+
+    fn metadata_of(&self, published: &Published) -> Option<Metadata> {
         let (job, open) = (self.link.started()?, self.setup.open.as_ref()?);
-        if !self.is_current() {
-            return None;
-        }
-        let (film, seconds) = self
-            .link
-            .read(|published| (published.film.clone(), published.stats.seconds));
-        let metadata = Metadata {
-            iterations: IterationRanges::of(0..film.n_iterations()),
-            seconds,
-            n_refused: film.n_refused(),
+        Some(Metadata {
+            iterations: IterationRanges::of(0..published.film.n_iterations()),
+            seconds: published.stats.seconds,
+            n_refused: published.film.n_refused(),
             ..Metadata::of(&open.scene, &job.settings)
-        };
-        Some((film, metadata))
+        })
+    }
+
+    /// Lets the renderer do what a view needs, and no more.
+    pub fn provide(&mut self, needs: Needs) {
+        if self.link.is_recording() != needs.techniques {
+            self.link.record_techniques(needs.techniques);
+        }
     }
 }

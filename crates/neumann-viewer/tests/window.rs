@@ -21,6 +21,7 @@ use neumann_core::scene::description::{
 };
 use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
+use neumann_viewer::views::techniques::TechniqueView;
 
 use support::{app, app_with_techniques};
 
@@ -335,6 +336,14 @@ fn every_method_can_be_reached_and_keeps_camera_view_and_exposure() {
     }
 }
 
+fn techniques<'a>(harness: &'a Harness<'_, App>) -> &'a TechniqueView {
+    harness.state().viewing.views.get().expect("a row of VIEWS")
+}
+
+fn is_apart(harness: &Harness<'_, App>) -> bool {
+    harness.state().viewing.views.shown().id == "techniques"
+}
+
 #[test]
 fn techniques_open_enlarge_and_close() {
     for size in [[1280.0, 720.0], [900.0, 600.0]] {
@@ -346,36 +355,24 @@ fn techniques_open_enlarge_and_close() {
             let label = format!("technique {strategy}");
             assert!(harness.query_by_label(&label).is_some(), "{label}");
         }
-        let sum: f64 = harness
-            .state()
-            .viewing
-            .techniques
-            .techniques()
-            .map(|t| t.1)
-            .sum();
+        let sum: f64 = techniques(&harness).techniques().map(|t| t.1).sum();
         assert!(sum > 0.5 && sum < 1.0 + 1e-6, "shares add up to {sum}");
         click(&mut harness, "technique image: raw");
-        assert_eq!(
-            harness.state().viewing.techniques.image,
-            TechniqueImage::Raw
-        );
+        assert_eq!(techniques(&harness).image, TechniqueImage::Raw);
         click(&mut harness, "technique s=1 t=2");
-        let enlarged = harness.state().viewing.techniques.enlarged;
+        let enlarged = techniques(&harness).enlarged;
         assert_eq!(enlarged, Some(Strategy::connect(1, 2)));
         click(&mut harness, "enlarged technique s=1 t=2");
-        assert_eq!(harness.state().viewing.techniques.enlarged, None);
+        assert_eq!(techniques(&harness).enlarged, None);
         click(&mut harness, "technique s=1 t=3");
         press(&mut harness, Key::F6);
         press(&mut harness, Key::Escape);
         assert!(harness.ctx.memory(|m| m.focused()).is_none());
-        assert!(harness.state().viewing.techniques.enlarged.is_some());
+        assert!(techniques(&harness).enlarged.is_some());
         press(&mut harness, Key::Escape);
-        assert!(
-            harness.state().viewing.techniques.is_open,
-            "back to all of them"
-        );
+        assert!(is_apart(&harness), "back to all of them");
         press(&mut harness, Key::Escape);
-        assert!(!harness.state().viewing.techniques.is_open);
+        assert!(!is_apart(&harness));
         assert!(!harness.state().session.link.is_recording());
         assert_eq!(
             harness.state().session.link.n_starts(),
@@ -386,23 +383,43 @@ fn techniques_open_enlarge_and_close() {
 }
 
 #[test]
+fn what_is_saved_is_what_is_shown() {
+    let mut harness = harness_of([1280.0, 720.0], app_with_techniques());
+    let saved = |harness: &Harness<'_, App>| {
+        let app = harness.state();
+        let image = app
+            .viewing
+            .views
+            .image(&app.session, &app.viewing.settings)
+            .expect("there is something to save");
+        let pixels = (image.pixels)();
+        (image.name, pixels.width, pixels.height)
+    };
+    assert_eq!(saved(&harness), ("L".to_owned(), 96, 96));
+    press(&mut harness, Key::V);
+    let (name, width, _) = saved(&harness);
+    assert_eq!(name, "techniques");
+    assert!(width > 32 * 5, "all of them on a sheet");
+    click(&mut harness, "technique s=1 t=2");
+    let name = format!("s=1 t=2-{}", TechniqueImage::default().name());
+    assert_eq!(saved(&harness), (name, 32, 32));
+}
+
+#[test]
 fn techniques_close_with_their_method_and_with_another_view() {
     let mut harness = harness_of([1280.0, 720.0], app_with_techniques());
     click(&mut harness, "Techniques apart");
     assert!(harness.state().session.link.is_recording());
     press(&mut harness, Key::CloseBracket);
-    assert!(!harness.state().viewing.techniques.is_open, "pm has none");
+    assert!(!is_apart(&harness), "pm has none");
     assert!(!harness.state().session.link.is_recording());
     press(&mut harness, Key::V);
-    assert!(!harness.state().viewing.techniques.is_open);
+    assert!(!is_apart(&harness));
     assert_eq!(harness.state().shell.notices.texts().count(), 1);
     press(&mut harness, Key::OpenBracket);
     press(&mut harness, Key::V);
     press(&mut harness, Key::Num2);
-    assert!(
-        !harness.state().viewing.techniques.is_open,
-        "the view is shown"
-    );
+    assert!(!is_apart(&harness), "the view is shown");
 }
 
 /// A triangle without light, as a file of the user's own.

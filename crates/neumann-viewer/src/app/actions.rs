@@ -9,9 +9,9 @@ use super::App;
 use crate::display::image_area;
 use crate::keys::Action;
 use crate::panels::Page;
+use crate::save;
 use crate::scene_source::Wanted;
 use crate::shell::WindowRequest;
-use crate::{save, techniques};
 
 impl App {
     /// Does what a key or a button asks for.
@@ -48,12 +48,12 @@ impl App {
                 self.shell.page = Page::Scene;
                 self.shell.background.choose(Wanted::Scene);
             }
-            Action::SavePng => save::png(&self.session, &self.viewing.settings, &mut self.shell),
+            Action::SavePng => save::png(&self.session, &self.viewing, &mut self.shell),
             Action::SaveExr => save::exr(&self.session, &mut self.shell),
             Action::SaveSheet => {
                 save::sheet(&self.session, &self.viewing.settings, &mut self.shell);
             }
-            Action::Copy => save::copy(ctx, &self.session, &self.viewing.settings, &mut self.shell),
+            Action::Copy => save::copy(ctx, &self.session, &self.viewing, &mut self.shell),
             Action::Panels => self.shell.is_bare = !self.shell.is_bare,
             Action::Panel(i) => {
                 self.shell.is_bare = false;
@@ -64,12 +64,21 @@ impl App {
                 let is_dark = ctx.theme() == Theme::Dark;
                 ctx.set_theme(if is_dark { Theme::Light } else { Theme::Dark });
             }
-            Action::Techniques => techniques::toggle(self),
+            Action::View(id) => self.toggle_view(id),
             Action::Help => self.shell.is_help_open = !self.shell.is_help_open,
             Action::Fullscreen => self.shell.requests.push(WindowRequest::Fullscreen),
             Action::Escape => self.escape(ctx),
             Action::Quit => self.shell.requests.push(WindowRequest::Quit),
             _ => self.change_display(action),
+        }
+    }
+
+    /// Shows a view, or goes back to the picture.
+    fn toggle_view(&mut self, id: &str) {
+        let viewing = &mut self.viewing;
+        let setup = &self.session.setup;
+        if let Err(refusal) = viewing.views.toggle(id, setup, &viewing.settings) {
+            self.shell.notices.failure(refusal);
         }
     }
 
@@ -151,9 +160,8 @@ impl App {
             self.shell.is_help_open = false;
         } else if self.shell.is_menu_open {
             self.shell.is_menu_open = false;
-        } else if self.shell.notices.close_newest() {
-        } else if self.viewing.techniques.is_open {
-            self.viewing.techniques.step_back();
+        } else if self.shell.notices.close_newest() || self.viewing.views.step_back() {
+            // That was it.
         } else if self.viewing.settings.is_wiping || self.viewing.settings.is_difference {
             self.viewing.settings.is_wiping = false;
             self.viewing.settings.is_difference = false;

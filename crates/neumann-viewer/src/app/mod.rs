@@ -20,9 +20,9 @@ use crate::session::Session;
 use crate::setup::Setup;
 use crate::shell::{Command, Shell};
 use crate::status::{self, Status};
-use crate::techniques;
 use crate::viewing::Viewing;
-use crate::{filmstrip, help, panels, stage, theme, top_bar};
+use crate::views::{self, Stage};
+use crate::{filmstrip, flight, help, panels, theme, top_bar};
 
 /// All state of the window.
 pub struct App {
@@ -120,7 +120,7 @@ impl App {
         for action in keys::take_actions(&ctx) {
             self.perform(&ctx, action);
         }
-        stage::fly(&ctx, self);
+        flight::steer(&ctx, &mut self.session.setup);
         let session = &mut self.session;
         session
             .picture
@@ -135,12 +135,17 @@ impl App {
         if let Some(rest) = self.session.follow_room(room) {
             ctx.request_repaint_after(rest);
         }
-        techniques::attend(self);
-        if self.viewing.techniques.is_open {
-            techniques::show(ui, stage, self);
-        } else {
-            stage::show(ui, stage, self);
-        }
+        let viewing = &mut self.viewing;
+        viewing.views.attend(&mut self.session, &viewing.settings);
+        let mut stage_of_view = Stage {
+            rect: stage,
+            session: &mut self.session,
+            settings: &mut viewing.settings,
+            placement: &mut viewing.placement,
+            notices: &mut self.shell.notices,
+            opening: self.loading.as_ref().map(|l| &l.progress),
+        };
+        viewing.views.draw(ui, &mut stage_of_view);
         if let Some(offer) = self.shell.notices.show(&ctx, stage) {
             self.accept(offer);
         }
@@ -168,7 +173,7 @@ impl App {
             strip,
             &self.session.picture,
             &mut self.viewing.settings,
-            stage::N_DRAWS,
+            views::N_DRAWS,
         );
         debug_assert!(
             n_draws <= crate::display::MAX_DRAWS,

@@ -10,10 +10,10 @@ use crate::session::Session;
 use crate::setup::Setup;
 use crate::shell::Shell;
 use crate::theme::GRID;
-use crate::viewing::Viewing;
+use crate::views::{VIEWS, Views};
 use crate::widgets::{Slider, button, choice_row, heading, paragraph, rule, switch};
 
-pub(super) fn show(ui: &mut Ui, session: &mut Session, viewing: &Viewing, shell: &mut Shell) {
+pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mut Shell) {
     let setup = &mut session.setup;
     let method = setup.method();
     heading(ui, method.name);
@@ -26,18 +26,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, viewing: &Viewing, shell:
         ui.add_space(GRID / 2.0);
         paragraph(ui, &format!("Biased: {bias}"));
     }
-    if method.has_techniques {
-        ui.add_space(GRID);
-        let name = if viewing.techniques.is_open {
-            "Back to the picture"
-        } else {
-            "Techniques apart"
-        };
-        let about = "An image for each technique: s vertices from the light, t from the camera (V)";
-        if button(ui, name).on_hover_text(about).clicked() {
-            shell.act(ui.ctx(), Action::Techniques);
-        }
-    }
+    view_buttons(ui, setup, views, shell);
     ui.add_space(GRID);
     let values = &mut setup.values[setup.method];
     for parameter in METHODS[setup.method].parameters {
@@ -76,6 +65,26 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, viewing: &Viewing, shell:
     rule(ui);
     heading(ui, "Run");
     run(ui, setup, &mut session.link);
+}
+
+/// A button for each view that this method and scene can be shown by.
+fn view_buttons(ui: &mut Ui, setup: &Setup, views: &Views, shell: &mut Shell) {
+    for row in VIEWS.iter().skip(1) {
+        if (row.refusal)(setup).is_some() {
+            continue;
+        }
+        ui.add_space(GRID);
+        let name = if views.shown().id == row.id {
+            "Back to the picture"
+        } else {
+            row.title
+        };
+        let key = row.key.as_ref().map(|line| format!(" ({})", line.keys));
+        let about = format!("{}{}", row.about, key.unwrap_or_default());
+        if button(ui, name).on_hover_text(about).clicked() {
+            shell.act(ui.ctx(), Action::View(row.id));
+        }
+    }
 }
 
 fn run(ui: &mut Ui, setup: &mut Setup, link: &mut RenderLink) {

@@ -79,7 +79,7 @@ pub fn show(
                     egui::Frame::new().inner_margin(margin).show(ui, |ui| {
                         ui.set_width(ui.available_width());
                         match shell.page {
-                            Page::Method => method::show(ui, session, viewing, shell),
+                            Page::Method => method::show(ui, session, &viewing.views, shell),
                             Page::Scene => scene::show(ui, &mut session.setup, shell),
                             Page::Camera => camera::show(ui, &mut session.setup),
                             Page::Display => {

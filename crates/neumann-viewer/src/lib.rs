@@ -6,7 +6,8 @@
 //! ([`render_link`], the only file that talks to it) and the film ([`picture`]); how that is looked
 //! at ([`viewing`], [`display`]); and the [`shell`] around it. [`views`] are what can stand on the
 //! stage, the picture first. [`filmstrip`], [`panels`], [`top_bar`] and [`status`] are the rest of
-//! what one sees; [`keys`] is the one table of keys.
+//! what one sees; [`keys`] is the one table of keys. [`state`] writes down what has been chosen,
+//! and takes it up again.
 
 pub mod app;
 pub mod blind_spots;
@@ -32,6 +33,7 @@ pub mod scene_source;
 pub mod session;
 pub mod setup;
 pub mod shell;
+pub mod state;
 pub mod status;
 mod surface;
 pub mod theme;

@@ -54,6 +54,21 @@ pub fn sheet(session: &Session, settings: &ViewSettings, shell: &mut Shell) {
     });
 }
 
+/// Saves all that has been chosen, so that what is seen can be seen again.
+pub fn state(session: &Session, viewing: &Viewing, shell: &mut Shell) {
+    let Some(state) = crate::state::of(session, viewing) else {
+        shell
+            .notices
+            .failure("There is no scene yet whose state could be saved");
+        return;
+    };
+    let path = path_of(session, "state", "json");
+    shell.background.save(move || {
+        state.write(&path).map_err(|e| e.to_string())?;
+        Ok(format!("Saved {}", shown(&path)))
+    });
+}
+
 /// Copies what is shown.
 pub fn copy(ctx: &Context, session: &Session, viewing: &Viewing, shell: &mut Shell) {
     let Some(image) = viewing.views.image(session, &viewing.settings) else {

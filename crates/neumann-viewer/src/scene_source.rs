@@ -16,8 +16,8 @@ pub enum Arrival {
     Scene(String, Result<Arc<Scene>, String>),
     /// A better tree for a scene that was opened before.
     Tree(BetterTree),
-    /// An environment map.
-    Environment(Result<EnvironmentFile, String>),
+    /// An environment map, by its path.
+    Environment(PathBuf, Result<EnvironmentFile, String>),
     /// A reference picture, by its path.
     Reference(String, Result<Image, String>),
     /// A path was chosen in the desktop's dialog.
@@ -110,7 +110,7 @@ impl Background {
     pub fn open_environment(&mut self, path: PathBuf) {
         self.run("neumann-load", move || {
             let map = load_environment(&path).map_err(|e| e.to_string());
-            Some(Arrival::Environment(map))
+            Some(Arrival::Environment(path, map))
         });
     }
 
@@ -129,7 +129,7 @@ impl Background {
             let dialog = match wanted {
                 Wanted::Scene => dialog
                     .set_title("Open a scene")
-                    .add_filter("glTF scenes", &["gltf", "glb"]),
+                    .add_filter("glTF scenes and states", &["gltf", "glb", "json"]),
                 Wanted::Environment => dialog
                     .set_title("Open an environment map")
                     .add_filter("Environment maps", &["hdr", "exr"]),

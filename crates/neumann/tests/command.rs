@@ -13,6 +13,9 @@ mod files_of_others;
 mod refusals;
 #[path = "command/signals.rs"]
 mod signals;
+#[cfg(feature = "window")]
+#[path = "command/states.rs"]
+mod states;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -50,6 +50,7 @@ impl App {
             }
             Action::SavePng => save::png(&self.session, &self.viewing, &mut self.shell),
             Action::SaveExr => save::exr(&self.session, &mut self.shell),
+            Action::SaveState => save::state(&self.session, &self.viewing, &mut self.shell),
             Action::SaveSheet => {
                 save::sheet(&self.session, &self.viewing.settings, &mut self.shell);
             }

@@ -11,6 +11,7 @@ use std::time::Duration;
 
 use egui::{Context, Rect, Ui, pos2};
 use neumann_core::scene::OpeningProgress;
+use neumann_picture::state::{EnvironmentState, State};
 
 use crate::display::ViewSettings;
 use crate::keys;
@@ -37,6 +38,8 @@ pub struct App {
     /// Exposure follows the picture because the scene is the user's own, not because anybody asked.
     exposes_by_itself: bool,
     loading: Option<Loading>,
+    /// Level and turn of a map that is still being read.
+    map_to_come: Option<EnvironmentState>,
 }
 
 /// How often the bar of a scene that is being opened is drawn anew.
@@ -48,6 +51,8 @@ pub struct Loading {
     pub source: String,
     /// How far it is.
     pub progress: OpeningProgress,
+    /// What is to be taken up when it is there.
+    state: Option<Box<State>>,
 }
 
 const TOP: f32 = 40.0;
@@ -89,6 +94,7 @@ impl App {
             is_first_scene: true,
             exposes_by_itself: false,
             loading: None,
+            map_to_come: None,
         }
     }
 
@@ -204,7 +210,7 @@ impl App {
         for command in self.shell.take_commands() {
             match command {
                 Command::Do(action) => self.perform(ctx, action),
-                Command::OpenScene(source) => self.open_scene(source),
+                Command::OpenScene(source) => self.open_path(source),
             }
         }
     }

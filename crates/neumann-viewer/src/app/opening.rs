@@ -1,21 +1,28 @@
 //! What comes into the window from outside: scenes, maps, references, dropped files.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::Context;
-use neumann_core::render::hidden_by_backs;
+use neumann_core::render::{StopRule, hidden_by_backs};
 use neumann_core::scene::builtin::builtin;
-use neumann_core::scene::load::LoadOptions;
+use neumann_core::scene::load::{EnvironmentFile, LoadOptions};
 use neumann_core::scene::{Backs, Scene, SkyChoice};
+use neumann_picture::state::State;
 
 use super::{App, Loading};
 use crate::notices::Offer;
 use crate::options::Exposure;
 use crate::scene_source::{Arrival, Wanted};
+use crate::state;
 
 impl App {
-    /// Opens the scene that the command asked for.
+    /// Opens the scene that the command asked for, or takes up its state.
     pub fn open_first_scene(&mut self) {
+        if let Some(state) = self.options.state.take() {
+            self.open_state(state);
+            return;
+        }
         let source = if self.options.scene.is_empty() {
             "cornell".to_owned()
         } else {
@@ -24,13 +31,26 @@ impl App {
         self.open_scene(source);
     }
 
+    /// Opens a scene by name or path, or takes up the state in a file.
+    pub fn open_path(&mut self, source: String) {
+        let extension = Path::new(&source).extension();
+        if extension.is_none_or(|ending| !ending.eq_ignore_ascii_case("json")) {
+            self.open_scene(source);
+            return;
+        }
+        match State::read(Path::new(&source)) {
+            Ok((state, warnings)) => {
+                for warning in warnings {
+                    self.shell.notices.failure(warning);
+                }
+                self.open_state(Box::new(state));
+            }
+            Err(error) => self.shell.notices.failure(error.to_string()),
+        }
+    }
+
     /// Begins to open a scene; the present one stays until it is there, and if it never is.
     pub fn open_scene(&mut self, source: String) {
-        let options = LoadOptions {
-            allow_outside: self.options.allow_outside,
-            allow_hidden: self.options.allow_hidden,
-            ..LoadOptions::default()
-        };
         // What the command asks for is meant for the scene that it names.
         let sky = self.options.environment.sky.clone();
         let sky = sky.filter(|_| self.is_first_scene);
@@ -39,13 +59,43 @@ impl App {
         } else {
             Backs::default()
         };
+        self.begin(source, sky, backs, None);
+    }
+
+    /// Begins to open the scene of a state, which is taken up when it is there.
+    pub fn open_state(&mut self, state: Box<State>) {
+        let backs = Backs::named(&state.backs).unwrap_or_default();
+        self.begin(state.scene.clone(), state::sky(&state), backs, Some(state));
+    }
+
+    fn begin(
+        &mut self,
+        source: String,
+        sky: Option<SkyChoice>,
+        backs: Backs,
+        state: Option<Box<State>>,
+    ) {
+        let options = LoadOptions {
+            allow_outside: self.options.allow_outside,
+            allow_hidden: self.options.allow_hidden,
+            ..LoadOptions::default()
+        };
         let background = &mut self.shell.background;
         let progress = background.open_scene(source.clone(), sky, backs, options);
-        self.loading = Some(Loading { source, progress });
+        self.loading = Some(Loading {
+            source,
+            progress,
+            state,
+        });
     }
 
     /// Takes over a scene that is ready.
     pub fn take_scene(&mut self, source: String, scene: Arc<Scene>) {
+        self.take_scene_as(source, scene, None);
+    }
+
+    /// Takes over a scene that is ready, and the state that it was opened for.
+    fn take_scene_as(&mut self, source: String, scene: Arc<Scene>, state: Option<Box<State>>) {
         let warnings = scene.warnings().to_vec();
         if self.options.exposure == Exposure::ForScene {
             self.expose_for(&source);
@@ -53,21 +103,52 @@ impl App {
         self.session.setup.take_scene(source, scene);
         self.shell.material = None;
         self.viewing.settings.zoom = None;
-        if self.is_first_scene {
-            self.is_first_scene = false;
-            if let Some(complaint) = self.session.setup.apply_camera(&self.options.camera) {
-                self.shell.notices.failure(complaint);
-            }
-            if let Some(SkyChoice::File(file)) = self.options.environment.sky.clone() {
-                self.shell.background.open_environment(file);
-            }
-            self.session
-                .setup
-                .apply_environment(&self.options.environment);
+        self.map_to_come = None;
+        let is_first = std::mem::take(&mut self.is_first_scene);
+        if let Some(state) = state {
+            self.take_up(&state, is_first);
+        } else if is_first {
+            self.take_options();
         }
         self.tell_warnings(&warnings);
         self.tell_of_sky();
         self.tell_of_backs();
+    }
+
+    /// Applies what the command said about its scene.
+    fn take_options(&mut self) {
+        let setup = &mut self.session.setup;
+        if let Some(complaint) = setup.apply_camera(&self.options.camera) {
+            self.shell.notices.failure(complaint);
+        }
+        match self.options.environment.sky.clone() {
+            Some(SkyChoice::File(file)) => self.shell.background.open_environment(file),
+            sky => setup.sky = sky,
+        }
+        setup.apply_environment(&self.options.environment);
+    }
+
+    /// Takes up a state, its scene being open; size and end may be those that the command said.
+    fn take_up(&mut self, state: &State, is_first: bool) {
+        let complaints = state::take_up(state, &mut self.session, &mut self.viewing);
+        for complaint in complaints {
+            self.shell.notices.failure(complaint);
+        }
+        self.exposes_by_itself = false;
+        let setup = &mut self.session.setup;
+        if is_first {
+            setup.fixed_size = self.options.size.or(setup.fixed_size);
+            if self.options.stop != StopRule::Never {
+                setup.stop = self.options.stop;
+            }
+        }
+        match state::sky(state) {
+            Some(SkyChoice::File(file)) => {
+                self.map_to_come = Some(state.environment.clone());
+                self.shell.background.open_environment(file);
+            }
+            sky => setup.sky = sky,
+        }
     }
 
     /// Offers to take away a sky that was added.
@@ -160,19 +241,7 @@ impl App {
                         self.session.link.improve_scene(&scene, &better);
                     }
                 }
-                Arrival::Environment(Ok(file)) => {
-                    for warning in file.warnings {
-                        self.shell.notices.remark(ctx, warning);
-                    }
-                    if let Some(open) = &self.session.setup.open {
-                        let mut appearance = open.scene.appearance().clone();
-                        appearance.environment = Some(Arc::new(file.environment));
-                        self.session.setup.dress(appearance);
-                        self.session
-                            .setup
-                            .apply_environment(&self.options.environment);
-                    }
-                }
+                Arrival::Environment(path, Ok(file)) => self.take_map(ctx, path, file),
                 Arrival::Reference(path, Ok(image)) => {
                     let size = (image.width, image.height);
                     self.session
@@ -181,7 +250,7 @@ impl App {
                     self.viewing.settings.is_difference = true;
                 }
                 Arrival::Chosen(Wanted::Scene, path) => {
-                    self.open_scene(path.display().to_string());
+                    self.open_path(path.display().to_string());
                 }
                 Arrival::Chosen(Wanted::Environment, path) => {
                     self.shell.background.open_environment(path);
@@ -190,10 +259,24 @@ impl App {
                     self.shell.background.open_reference(path);
                 }
                 Arrival::Saved(Ok(text)) => self.shell.notices.remark(ctx, text),
-                Arrival::Environment(Err(error))
+                Arrival::Environment(_, Err(error))
                 | Arrival::Reference(_, Err(error))
                 | Arrival::Saved(Err(error)) => self.shell.notices.failure(error),
             }
+        }
+    }
+
+    fn take_map(&mut self, ctx: &Context, path: PathBuf, file: EnvironmentFile) {
+        for warning in file.warnings {
+            self.shell.notices.remark(ctx, warning);
+        }
+        let setup = &mut self.session.setup;
+        setup.take_map(path, file.environment);
+        setup.apply_environment(&self.options.environment);
+        if let (Some(state), Some(open)) = (self.map_to_come.take(), &setup.open) {
+            let mut appearance = open.scene.appearance().clone();
+            state::take_environment(&state, &mut appearance);
+            setup.dress(appearance);
         }
     }
 
@@ -202,14 +285,14 @@ impl App {
         if self.loading.as_ref().map(|l| &l.source) != Some(&source) {
             return;
         }
-        self.loading = None;
+        let state = self.loading.take().and_then(|loading| loading.state);
         match result {
             Ok(scene) => {
                 if builtin(&source).is_none() {
                     self.shell.recent.add(&source);
                 }
                 self.shell.background.improve(Arc::clone(&scene));
-                self.take_scene(source, scene);
+                self.take_scene_as(source, scene, state);
             }
             Err(error) => {
                 self.shell.notices.failure(error);
@@ -228,7 +311,7 @@ impl App {
             match extension.to_str() {
                 Some("hdr") => self.shell.background.open_environment(path),
                 Some("exr") => self.shell.background.open_reference(path),
-                _ => self.open_scene(path.display().to_string()),
+                _ => self.open_path(path.display().to_string()),
             }
         }
     }

@@ -62,6 +62,8 @@ pub enum Action {
     SavePng,
     /// Save all layers as EXR.
     SaveExr,
+    /// Save all that has been chosen.
+    SaveState,
     /// Save the series as a sheet.
     SaveSheet,
     /// Copy the picture.

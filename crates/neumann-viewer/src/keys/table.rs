@@ -215,8 +215,14 @@ pub static HELP: &[HelpLine] = &[
     line(
         FILES,
         "Ctrl Shift S",
+        "save the state, JSON",
+        &[on(CTRL.plus(SHIFT), Key::S, Action::SaveState)],
+    ),
+    line(
+        FILES,
+        "Ctrl Shift E",
         "save all layers, EXR",
-        &[on(CTRL.plus(SHIFT), Key::S, Action::SaveExr)],
+        &[on(CTRL.plus(SHIFT), Key::E, Action::SaveExr)],
     ),
     line(
         FILES,

@@ -19,9 +19,9 @@ pub mod formula;
 pub mod gallery;
 pub mod help;
 pub mod keys;
-pub mod latency;
 pub mod notices;
 pub mod offscreen;
+pub mod onlooker;
 pub mod options;
 pub mod panels;
 pub mod picture;
@@ -43,6 +43,7 @@ pub mod views;
 pub mod widgets;
 mod window;
 
+pub use onlooker::Onlooker;
 pub use options::{
     CameraOptions, EnvironmentOptions, Exposure, Screenshot, ViewError, ViewOptions,
 };
@@ -55,6 +56,14 @@ pub fn run(options: ViewOptions) -> Result<(), ViewError> {
     if options.screenshot.is_some() {
         offscreen::run(options)
     } else {
-        window::run(options, None).map(|_| ())
+        window::run(options, None)
     }
+}
+
+/// Opens the window as [`run`] does, with somebody looking on.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_watched(options: ViewOptions, onlooker: &mut dyn Onlooker) -> Result<(), ViewError> {
+    window::run(options, Some(onlooker))
 }

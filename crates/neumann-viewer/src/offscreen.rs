@@ -25,9 +25,11 @@ pub fn run(options: ViewOptions) -> Result<(), ViewError> {
         return Err(ViewError::Other("no screenshot was asked for".to_owned()));
     };
     let mut canvas = Canvas::new(shot.size)?;
-    options.check_sizes(canvas.device.limits().max_texture_dimension_2d as usize)?;
+    let largest_side = canvas.device.limits().max_texture_dimension_2d as usize;
+    options.check_sizes(largest_side)?;
     let link = RenderLink::live(options.threads, || {}).map_err(ViewError::Other)?;
     let mut app = App::new(link, options, || {});
+    app.largest_side = largest_side;
     app.open_first_scene();
     let pixels = canvas.draw_when_ready(&mut app, &shot)?;
     write_png(&shot.path, &pixels).map_err(|e| ViewError::Other(e.to_string()))

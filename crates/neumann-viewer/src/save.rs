@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::{Color32, ColorImage, Context};
-use neumann_picture::exr_file::write_exr;
+use neumann_picture::exr_file::{Metadata, write_exr};
 use neumann_picture::png_file::write_png;
 use neumann_picture::sheet::{SheetInfo, sheet as lay_out_sheet};
 
@@ -24,10 +24,14 @@ pub fn png(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     });
 }
 
-/// Saves all layers, so that the command can go on with the render.
-pub fn exr(session: &Session, shell: &mut Shell) {
+/// Saves all layers, so that the command can go on with the render, with the state in the header.
+pub fn exr(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     let Some((film, metadata)) = session.film() else {
         return nothing(shell);
+    };
+    let metadata = Metadata {
+        state: crate::state::of(session, viewing).map(Box::new),
+        ..metadata
     };
     let path = path_of(session, "layers", "exr");
     shell.background.save(move || {

@@ -148,7 +148,8 @@ impl Handler<'_> {
         // The scene is read while the graphics device gets ready.
         let start = Instant::now();
         let surface = Surface::new(event_loop, Arc::clone(&window))?;
-        sizes.check_sizes(surface.max_texture_side())?;
+        app.largest_side = surface.max_texture_side();
+        sizes.check_sizes(app.largest_side)?;
         let adapter = start.elapsed();
         let mut egui = egui_winit::State::new(
             ctx.clone(),

@@ -198,6 +198,20 @@ fn a_key_saves_the_state_and_its_file_can_be_opened() {
     let path = notice(harness.state()).expect("it was saved");
     assert_eq!(State::read(&path).expect("a state").0, saved);
 
+    // The header of all layers has it, too.
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
+    let picture = |app: &App| {
+        let mut texts = app
+            .shell
+            .notices
+            .texts()
+            .filter_map(|t| t.strip_prefix("Saved "));
+        texts.find(|text| text.ends_with(".exr")).map(PathBuf::from)
+    };
+    wait(&mut harness, |app| picture(app).is_some());
+    let picture = picture(harness.state()).expect("it was saved");
+    assert_eq!(State::read(&picture).expect("a state").0, saved);
+
     let mut second = harness_of(app());
     let text = path.display().to_string();
     second.state_mut().open_path(text.clone());

@@ -5,13 +5,15 @@ use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
+use neumann_core::memory::free_bytes;
 use neumann_core::scene::SkyChoice;
 use neumann_core::scene::builtin::builtin;
 use serde_json::Value;
 
 use super::{EnvironmentState, State};
 use crate::PictureError;
-use crate::files::write_atomically;
+use crate::exr_file::read_metadata;
+use crate::files::{film_bytes, write_atomically};
 
 /// A state file cannot be used.
 #[derive(Debug, PartialEq, Eq)]
@@ -40,7 +42,8 @@ impl std::error::Error for StateError {}
 const MAX_BYTES: u64 = 4 << 20;
 
 impl State {
-    /// Reads a state file, and what is odd about it. Paths in it are taken from its own folder.
+    /// Reads a state file, or the header of an .exr that the window saved, and what is odd about it.
+    /// Paths in it are taken from its own folder.
     ///
     /// # Errors
     /// If it cannot be read, a field is not what it should be, or the scene's file is not there.
@@ -50,28 +53,64 @@ impl State {
             field: field.to_owned(),
             what,
         };
+        let is_picture = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+        let (mut state, mut warnings) = if is_picture {
+            (Self::of_picture(path)?, Vec::new())
+        } else {
+            let text = Self::text_of(path)?;
+            Self::parse(&text).map_err(|(field, what)| error(&field, what))?
+        };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        state.resolve(folder);
+        state.check_scene().map_err(|what| error("scene", what))?;
+        state.check_memory().map_err(|what| error("size", what))?;
+        for warning in &mut warnings {
+            *warning = format!("{}: {warning}", path.display());
+        }
+        Ok((state, warnings))
+    }
+
+    /// The state in the header of a picture.
+    fn of_picture(path: &Path) -> Result<Self, StateError> {
+        let error = |what: String| StateError {
+            path: path.to_owned(),
+            field: String::new(),
+            what,
+        };
+        let metadata = read_metadata(path).map_err(|cause| {
+            let cause = cause.to_string();
+            let name = format!("{}: ", path.display());
+            error(cause.strip_prefix(&name).unwrap_or(&cause).to_owned())
+        })?;
+        let state = metadata.state.map(|state| *state);
+        state.ok_or_else(|| {
+            let what = "no state in its header; Ctrl Shift E in the window writes one with it";
+            error(what.to_owned())
+        })
+    }
+
+    /// The text of a state file.
+    fn text_of(path: &Path) -> Result<String, StateError> {
+        let error = |what: String| StateError {
+            path: path.to_owned(),
+            field: String::new(),
+            what,
+        };
         let mut text = String::new();
         let mut read = || {
             let mut limited = File::open(path)?.take(MAX_BYTES + 1);
             limited.read_to_string(&mut text)
         };
         match read() {
-            Err(cause) => return Err(error("", format!("cannot read: {cause}"))),
+            Err(cause) => Err(error(format!("cannot read: {cause}"))),
             Ok(n) if n as u64 > MAX_BYTES => {
                 let what = "too large for a state file; Ctrl Shift S in the window writes one";
-                return Err(error("", what.to_owned()));
+                Err(error(what.to_owned()))
             }
-            Ok(_) => {}
+            Ok(_) => Ok(text),
         }
-        let (mut state, mut warnings) =
-            Self::parse(&text).map_err(|(field, what)| error(&field, what))?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        state.resolve(folder);
-        state.check_scene().map_err(|what| error("scene", what))?;
-        for warning in &mut warnings {
-            *warning = format!("{}: {warning}", path.display());
-        }
-        Ok((state, warnings))
     }
 
     /// Reads a state from its text, and what is odd about it; the field and what is wrong with it
@@ -115,6 +154,12 @@ impl State {
         text + "\n"
     }
 
+    /// As a text of one line.
+    #[must_use]
+    pub fn to_line(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
     /// Writes a state file.
     ///
     /// # Errors
@@ -134,6 +179,23 @@ impl State {
         {
             self.environment.sky = folder.join(map).display().to_string();
         }
+    }
+
+    fn check_memory(&self) -> Result<(), String> {
+        let (Some([width, height]), Some(free)) = (self.size, free_bytes()) else {
+            return Ok(());
+        };
+        let needed = film_bytes(width, height, self.layers);
+        if needed <= free {
+            return Ok(());
+        }
+        Err(format!(
+            "a film of {width}x{height} with {} layers needs {:.1} GB, but {:.1} GB of memory are \
+             free; choose a smaller size or fewer layers",
+            self.layers,
+            needed as f64 * 1e-9,
+            free as f64 * 1e-9
+        ))
     }
 
     fn check_scene(&self) -> Result<(), String> {

@@ -49,7 +49,7 @@ impl App {
                 self.shell.background.choose(Wanted::Scene);
             }
             Action::SavePng => save::png(&self.session, &self.viewing, &mut self.shell),
-            Action::SaveExr => save::exr(&self.session, &mut self.shell),
+            Action::SaveExr => save::exr(&self.session, &self.viewing, &mut self.shell),
             Action::SaveState => save::state(&self.session, &self.viewing, &mut self.shell),
             Action::SaveSheet => {
                 save::sheet(&self.session, &self.viewing.settings, &mut self.shell);

@@ -33,6 +33,8 @@ pub struct App {
     pub viewing: Viewing,
     /// What stands around it.
     pub shell: Shell,
+    /// Most pixels of a film each way, which is what the graphics device can draw.
+    pub(crate) largest_side: usize,
     options: ViewOptions,
     is_first_scene: bool,
     /// Exposure follows the picture because the scene is the user's own, not because anybody asked.
@@ -51,6 +53,8 @@ pub struct Loading {
     pub source: String,
     /// How far it is.
     pub progress: OpeningProgress,
+    /// Number of the request.
+    request: u64,
     /// What is to be taken up when it is there.
     state: Option<Box<State>>,
 }
@@ -90,6 +94,7 @@ impl App {
                 ..Viewing::default()
             },
             shell,
+            largest_side: 8192,
             options,
             is_first_scene: true,
             exposes_by_itself: false,

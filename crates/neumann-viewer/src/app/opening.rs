@@ -81,10 +81,11 @@ impl App {
             ..LoadOptions::default()
         };
         let background = &mut self.shell.background;
-        let progress = background.open_scene(source.clone(), sky, backs, options);
+        let (request, progress) = background.open_scene(source.clone(), sky, backs, options);
         self.loading = Some(Loading {
             source,
             progress,
+            request,
             state,
         });
     }
@@ -141,6 +142,14 @@ impl App {
             if self.options.stop != StopRule::Never {
                 setup.stop = self.options.stop;
             }
+        }
+        let largest = self.largest_side;
+        if let Some((w, h)) = setup.fixed_size.filter(|(w, h)| *w.max(h) > largest) {
+            setup.fixed_size = None;
+            self.shell.notices.failure(format!(
+                "The state's size {w}×{h} is more than the graphics device draws, {largest} pixels \
+                 each way; the film follows the window"
+            ));
         }
         match state::sky(state) {
             Some(SkyChoice::File(file)) => {
@@ -235,7 +244,7 @@ impl App {
     pub(super) fn take_arrivals(&mut self, ctx: &Context) {
         for arrival in self.shell.background.arrivals() {
             match arrival {
-                Arrival::Scene(source, result) => self.take_opened(source, result),
+                Arrival::Scene(request, result) => self.take_opened(request, result),
                 Arrival::Tree(tree) => {
                     if let Some([scene, better]) = self.session.setup.take_tree(&tree) {
                         self.session.link.improve_scene(&scene, &better);
@@ -280,12 +289,12 @@ impl App {
         }
     }
 
-    fn take_opened(&mut self, source: String, result: Result<Arc<Scene>, String>) {
+    fn take_opened(&mut self, request: u64, result: Result<Arc<Scene>, String>) {
         // Of several opened in haste, the last one asked for counts.
-        if self.loading.as_ref().map(|l| &l.source) != Some(&source) {
+        let is_wanted = |loading: &mut Loading| loading.request == request;
+        let Some(Loading { source, state, .. }) = self.loading.take_if(is_wanted) else {
             return;
-        }
-        let state = self.loading.take().and_then(|loading| loading.state);
+        };
         match result {
             Ok(scene) => {
                 if builtin(&source).is_none() {

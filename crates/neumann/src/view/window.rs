@@ -59,10 +59,8 @@ pub(crate) fn run(arguments: &ViewArguments) -> Outcome {
         let sky = arguments.settings.environment.env.as_ref();
         outputs::refuse_inputs(path, sky.and_then(SkyChoice::file))?;
     }
-    let layers = state.as_ref().map(|state| state.layers);
-    let size = state.as_ref().and_then(|state| state.size);
-    let size = arguments.settings.size.or(size.map(|[w, h]| (w, h)));
-    if let Some((width, height)) = size {
+    if let Some((width, height)) = arguments.settings.size {
+        let layers = state.as_ref().map(|state| state.layers);
         let layers = layers.unwrap_or(arguments.settings.layers as usize);
         check_film(width, height, layers)?;
     }

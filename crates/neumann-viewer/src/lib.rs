@@ -48,7 +48,8 @@ pub use options::{
     CameraOptions, EnvironmentOptions, Exposure, Screenshot, ViewError, ViewOptions,
 };
 
-/// Opens the window and stays until it is closed; or draws it to a file, if a screenshot is asked for.
+/// Opens the window and stays until it is closed; or draws it to a file, if a screenshot is asked
+/// for.
 ///
 /// # Errors
 /// If there is no display or no graphics adapter, or the file cannot be written.

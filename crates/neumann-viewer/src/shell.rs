@@ -30,7 +30,7 @@ pub struct Shell {
     pub material: Option<usize>,
     /// Small pictures of the built-in scenes.
     pub gallery: Gallery,
-    /// Scenes opened lately.
+    /// Scenes and states opened lately.
     pub recent: Recent,
     /// What the window has to say.
     pub notices: Notices,
@@ -60,7 +60,7 @@ pub struct Fields {
 pub enum Command {
     /// What a key would do.
     Do(Action),
-    /// Open a scene, by name or path.
+    /// Open a scene by name or path, or a state by its path.
     OpenScene(String),
 }
 
@@ -100,7 +100,7 @@ impl Shell {
         ctx.request_repaint();
     }
 
-    /// Asks for a scene to be opened, by name or path.
+    /// Asks for a scene to be opened by name or path, or a state by its path.
     pub fn open_scene(&mut self, source: impl Into<String>) {
         self.commands.push(Command::OpenScene(source.into()));
     }

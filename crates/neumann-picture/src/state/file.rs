@@ -42,8 +42,8 @@ impl std::error::Error for StateError {}
 const MAX_BYTES: u64 = 4 << 20;
 
 impl State {
-    /// Reads a state file, or the header of an .exr that the window saved, and what is odd about it.
-    /// Paths in it are taken from its own folder.
+    /// Reads a state file, or the header of an .exr that the window saved, and what is odd about
+    /// it. Paths in it are taken from its own folder.
     ///
     /// # Errors
     /// If it cannot be read, a field is not what it should be, or the scene's file is not there.

@@ -1,9 +1,9 @@
 //! All that a person has chosen, as one structure: scene, camera, method, view, exposure, edits.
 //!
-//! A state file is this as JSON. Whoever opens it sees what was seen when it was saved: numbers come
-//! back bit by bit ([`Exact`]). Fields that are left out have their usual value, so that a file may
-//! be written by hand; those that nobody knows are ignored and told. What is measured (the film, its
-//! iterations) is no part of it.
+//! A state file is this as JSON. Whoever opens it sees what was seen when it was saved: numbers
+//! come back bit by bit ([`Exact`]). Fields that are left out have their usual value, so that a
+//! file may be written by hand; those that nobody knows are ignored and told. What is measured (the
+//! film, its iterations) is no part of it.
 
 mod check;
 mod file;

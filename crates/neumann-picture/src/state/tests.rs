@@ -121,6 +121,29 @@ fn every_prefix_of_a_state_is_refused_and_none_panics() {
 }
 
 #[test]
+fn damaged_states_are_read_or_refused_and_none_panics() {
+    let text = full().to_text();
+    let pieces = [
+        "-", "9", "e", "\"", "[", "{", "null", ",", "1e999", "\u{fffd}", "",
+    ];
+    let ends: Vec<usize> = (0..=text.len())
+        .filter(|i| text.is_char_boundary(*i))
+        .collect();
+    let mut n_read = 0;
+    for i in 0..20_000usize {
+        let place = |k: usize| ends[i.wrapping_mul(k) % ends.len()];
+        let (from, to) = (place(2_654_435_761), place(40_503));
+        let (from, to) = (from.min(to), from.max(to).min(from.min(to) + i % 7));
+        let to = (to..text.len())
+            .find(|i| text.is_char_boundary(*i))
+            .unwrap_or(text.len());
+        let damaged = text[..from].to_owned() + pieces[i % pieces.len()] + &text[to..];
+        n_read += usize::from(State::parse(&damaged).is_ok());
+    }
+    assert!(n_read > 100, "{n_read}");
+}
+
+#[test]
 fn a_missing_scene_is_one_clear_error() {
     let folder = TestFolder::new();
     let path = folder.join("a.json");

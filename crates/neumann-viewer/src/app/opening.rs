@@ -43,6 +43,7 @@ impl App {
                 for warning in warnings {
                     self.shell.notices.failure(warning);
                 }
+                self.shell.recent.add(&source);
                 self.open_state(Box::new(state));
             }
             Err(error) => self.shell.notices.failure(error.to_string()),
@@ -191,7 +192,8 @@ impl App {
         }
     }
 
-    /// Whoever made a file had another program's exposure in mind; a built-in scene suits exposure 0.
+    /// Whoever made a file had another program's exposure in mind; a built-in scene suits
+    /// exposure 0.
     fn expose_for(&mut self, source: &str) {
         if builtin(source).is_none() {
             self.viewing.settings.is_auto = true;

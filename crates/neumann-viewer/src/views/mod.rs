@@ -232,6 +232,7 @@ mod tests {
 
     #[test]
     fn rows_can_be_told_apart() {
+        assert_eq!(VIEWS[0].id, "picture", "what the others give way to");
         for (i, row) in VIEWS.iter().enumerate() {
             let others = &VIEWS[i + 1..];
             assert!(others.iter().all(|other| other.id != row.id), "{}", row.id);

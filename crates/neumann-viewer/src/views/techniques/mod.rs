@@ -1,7 +1,7 @@
 //! What each technique (s, t) of a bidirectional method adds: the pyramid of Veach's thesis, alive.
 //!
-//! While the view is open the renderer keeps techniques apart. [`TechniqueView`] owns what is looked
-//! at and the small pictures; `pyramid` lays them out on the stage.
+//! While the view is open the renderer keeps techniques apart. [`TechniqueView`] owns what is
+//! looked at and the small pictures; `pyramid` lays them out on the stage.
 
 mod pictures;
 mod pyramid;

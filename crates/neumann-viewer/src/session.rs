@@ -7,7 +7,6 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use neumann_core::film::{Film, View as Part};
-use neumann_core::render::Published;
 use neumann_picture::exr_file::{IterationRanges, Metadata};
 
 use crate::picture::Picture;
@@ -122,24 +121,39 @@ impl Session {
     /// The film with how it was made; `None` while it is not of what has been asked for.
     #[must_use]
     pub fn film(&self) -> Option<(Film, Metadata)> {
-        self.is_current().then_some(())?;
-        self.link
-            .read(|published| Some((published.film.clone(), self.metadata_of(published)?)))
+        let metadata = self.metadata()?;
+        let (film, seconds) = self
+            .link
+            .read(|published| (published.film.clone(), published.stats.seconds));
+        // An iteration may have come in between.
+        let metadata = Metadata {
+            iterations: IterationRanges::of(0..film.n_iterations()),
+            seconds,
+            n_refused: film.n_refused(),
+            ..metadata
+        };
+        Some((film, metadata))
     }
 
     /// How the film was made; `None` while it is not of what has been asked for.
     #[must_use]
     pub fn metadata(&self) -> Option<Metadata> {
-        self.is_current().then_some(())?;
-        self.link.read(|published| self.metadata_of(published))
-    }
-
-    fn metadata_of(&self, published: &Published) -> Option<Metadata> {
         let (job, open) = (self.link.started()?, self.setup.open.as_ref()?);
+        if !self.is_current() {
+            return None;
+        }
+        let (n_iterations, n_refused, seconds) = self.link.read(|published| {
+            let film = &published.film;
+            (
+                film.n_iterations(),
+                film.n_refused(),
+                published.stats.seconds,
+            )
+        });
         Some(Metadata {
-            iterations: IterationRanges::of(0..published.film.n_iterations()),
-            seconds: published.stats.seconds,
-            n_refused: published.film.n_refused(),
+            iterations: IterationRanges::of(0..n_iterations),
+            seconds,
+            n_refused,
             ..Metadata::of(&open.scene, &job.settings)
         })
     }

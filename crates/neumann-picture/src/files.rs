@@ -57,6 +57,15 @@ pub fn check_destination(path: &Path) -> Result<(), PictureError> {
         .map_err(|error| PictureError::io(path, "write", error))
 }
 
+/// Memory that a film takes while it is rendered and written: two films in turn, and the planes of
+/// a file, three floats a pixel each; features beside them.
+#[must_use]
+pub fn film_bytes(width: usize, height: usize, n_layers: usize) -> u64 {
+    let n_layers = n_layers as u64 + 1;
+    let planes = 2 * (n_layers + 2) + (n_layers + 3) + 5;
+    (width as u64 * height as u64).saturating_mul(planes * 12)
+}
+
 /// Finds out whether a file of so many bytes has room there; a place that cannot say has.
 ///
 /// # Errors

@@ -18,7 +18,7 @@ fn main() {
     });
     let options = ViewOptions {
         scene: std::env::args().nth(1).unwrap_or_default(),
-        view: var("VIEW").and_then(|v| v.parse().ok()).unwrap_or_default(),
+        part: var("VIEW").and_then(|v| v.parse().ok()).unwrap_or_default(),
         screenshot,
         ..ViewOptions::default()
     };

@@ -65,6 +65,12 @@ impl CameraControl {
         self.target
     }
 
+    /// What is up for it.
+    #[must_use]
+    pub fn up(&self) -> Vec3 {
+        self.up
+    }
+
     /// Half the diagonal of the scene.
     #[must_use]
     pub fn radius(&self) -> f32 {
@@ -76,6 +82,19 @@ impl CameraControl {
         self.home = camera.clone();
         self.camera = camera;
         self.adopt();
+    }
+
+    /// Puts a camera in its place that was moved before, with what it orbits and what is up for it;
+    /// [`Self::reset`] goes where it did.
+    pub fn put(&mut self, camera: CameraDescription, target: Vec3, up: Vec3) {
+        self.eye = camera.world_from_camera.w_axis.truncate();
+        self.camera = camera;
+        self.target = target;
+        self.up = if up.is_normalized() {
+            up
+        } else {
+            up.normalize_or(Vec3::Y)
+        };
     }
 
     /// Goes back to the camera that was taken over last.

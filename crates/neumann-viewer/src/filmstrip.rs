@@ -110,7 +110,7 @@ fn row_name(ui: &Ui, at: egui::Pos2, is_sum: bool) {
 fn view_at(is_sum: bool, place: usize, n_layers: usize) -> View {
     let mut settings = ViewSettings::default();
     settings.choose(is_sum, place, n_layers);
-    settings.view
+    settings.part
 }
 
 fn tile_of(
@@ -129,9 +129,9 @@ fn tile_of(
         Sense::click(),
     );
     if response.clicked() {
-        settings.view = view;
+        settings.part = view;
     }
-    let is_chosen = settings.view == view;
+    let is_chosen = settings.part == view;
     let fill = if response.hovered() {
         p.hovered
     } else {
@@ -266,9 +266,9 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
             Sense::click(),
         );
         if response.clicked() {
-            settings.view = view;
+            settings.part = view;
         }
-        let is_chosen = settings.view == view;
+        let is_chosen = settings.part == view;
         let fill = if response.hovered() {
             p.hovered
         } else {

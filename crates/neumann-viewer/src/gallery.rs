@@ -13,7 +13,6 @@ use neumann_core::scene::Scene;
 use neumann_core::scene::builtin::BUILTINS;
 use neumann_picture::tone::{Display, ToneCurve, auto_exposure};
 
-use crate::app::App;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::focus_ring;
 
@@ -82,11 +81,11 @@ impl Drop for Gallery {
     }
 }
 
-/// Draws all built-in scenes, two to a row; a click opens one.
-pub fn show(ui: &mut Ui, app: &mut App) {
-    app.gallery.refresh(ui);
+/// Draws all built-in scenes, two to a row, the one called `open` as chosen; yields the one that
+/// was clicked.
+pub fn show(ui: &mut Ui, gallery: &mut Gallery, open: Option<&str>) -> Option<&'static str> {
+    gallery.refresh(ui);
     let mut chosen = None;
-    let open = app.setup.open.as_ref().map(|open| open.source.clone());
     let width = (ui.available_width() - GRID) / 2.0;
     let height = width * 0.75 + 24.0;
     for (row, pair) in BUILTINS.chunks(2).enumerate() {
@@ -97,17 +96,15 @@ pub fn show(ui: &mut Ui, app: &mut App) {
             let left = rect.left() + column as f32 * (width + GRID);
             let tile =
                 Rect::from_min_size(pos2(left.round(), rect.top()), Vec2::new(width, height));
-            let is_chosen = open.as_deref() == Some(builtin.name);
-            let picture = app.gallery.pictures.get(i).and_then(Option::as_ref);
+            let is_chosen = open == Some(builtin.name);
+            let picture = gallery.pictures.get(i).and_then(Option::as_ref);
             if tile_of(ui, tile, (builtin.name, builtin.about), picture, is_chosen) {
                 chosen = Some(builtin.name);
             }
         }
         ui.add_space(GRID / 2.0);
     }
-    if let Some(name) = chosen {
-        app.open_scene(name.to_owned());
-    }
+    chosen
 }
 
 fn tile_of(

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Area, Id, Key, Order, Rect, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
 
-use crate::keys::HELP;
+use crate::keys;
 use crate::theme::{self, GRID, Palette};
 
 /// Draws the page over the window; a click closes it.
@@ -16,7 +16,7 @@ pub fn show(ui: &Ui, is_open: &mut bool) {
             let response = ui.allocate_rect(window, Sense::click());
             let painter = ui.painter();
             painter.rect_filled(window, 0, p.ground.gamma_multiply(0.7));
-            let groups: Vec<&str> = HELP.iter().fold(Vec::new(), |mut groups, line| {
+            let groups: Vec<&str> = keys::lines().fold(Vec::new(), |mut groups, line| {
                 if groups.last() != Some(&line.group) {
                     groups.push(line.group);
                 }
@@ -42,7 +42,7 @@ pub fn show(ui: &Ui, is_open: &mut bool) {
                     let at = pos2(x, y + row / 2.0);
                     painter.text(at, Align2::LEFT_CENTER, group, theme::semibold(), p.text);
                     y += row;
-                    for line in HELP.iter().filter(|line| line.group == *group) {
+                    for line in keys::lines().filter(|line| line.group == *group) {
                         let center = y + row / 2.0;
                         let keys = pos2(x, center);
                         painter.text(keys, Align2::LEFT_CENTER, line.keys, theme::small(), p.text);
@@ -79,7 +79,7 @@ pub fn show(ui: &Ui, is_open: &mut bool) {
 
 /// Rows that a column takes, a blank half between groups rounded up.
 fn n_rows(groups: &[&str]) -> usize {
-    let lines = HELP.iter().filter(|line| groups.contains(&line.group));
+    let lines = keys::lines().filter(|line| groups.contains(&line.group));
     lines.count() + groups.len() + groups.len().div_ceil(2) + 1
 }
 

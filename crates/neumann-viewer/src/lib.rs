@@ -1,26 +1,27 @@
 //! The window: light transport live, bounce by bounce.
 //!
-//! Rooms, in reading order: [`options`] says how the window begins; [`app`] owns
-//! all state and draws one frame, the same for the window (`window`), for
-//! screenshots without a display ([`offscreen`]) and for tests. [`setup`] is what is
-//! rendered, [`display`] how it is looked at,
-//! [`techniques`] what each technique of a bidirectional method adds; [`render_link`] is the only file that
-//! talks to the renderer. [`filmstrip`], [`stage`], [`panels`], [`top_bar`] and
-//! [`status`] are what one sees; [`keys`] is the one table of keys.
+//! Rooms, in reading order: [`options`] says how the window begins; [`app`] draws one frame, the
+//! same for the window (`window`), for screenshots without a display ([`offscreen`]) and for tests.
+//! It holds a [`session`], which is what is rendered ([`setup`]), the line to the renderer
+//! ([`render_link`], the only file that talks to it) and the film ([`picture`]); how that is looked
+//! at ([`viewing`], [`display`]); and the [`shell`] around it. [`views`] are what can stand on the
+//! stage, the picture first. [`filmstrip`], [`panels`], [`top_bar`] and [`status`] are the rest of
+//! what one sees; [`keys`] is the one table of keys. [`state`] writes down what has been chosen,
+//! and takes it up again.
 
-mod actions;
 pub mod app;
 pub mod blind_spots;
 pub mod camera_control;
 pub mod display;
 pub mod filmstrip;
+pub mod flight;
 pub mod formula;
 pub mod gallery;
 pub mod help;
 pub mod keys;
-pub mod latency;
 pub mod notices;
 pub mod offscreen;
+pub mod onlooker;
 pub mod options;
 pub mod panels;
 pub mod picture;
@@ -29,21 +30,26 @@ pub mod recent;
 pub mod render_link;
 pub mod save;
 pub mod scene_source;
+pub mod session;
 pub mod setup;
-pub mod stage;
+pub mod shell;
+pub mod state;
 pub mod status;
 mod surface;
-pub mod techniques;
 pub mod theme;
 pub mod top_bar;
+pub mod viewing;
+pub mod views;
 pub mod widgets;
 mod window;
 
+pub use onlooker::Onlooker;
 pub use options::{
     CameraOptions, EnvironmentOptions, Exposure, Screenshot, ViewError, ViewOptions,
 };
 
-/// Opens the window and stays until it is closed; or draws it to a file, if a screenshot is asked for.
+/// Opens the window and stays until it is closed; or draws it to a file, if a screenshot is asked
+/// for.
 ///
 /// # Errors
 /// If there is no display or no graphics adapter, or the file cannot be written.
@@ -51,6 +57,14 @@ pub fn run(options: ViewOptions) -> Result<(), ViewError> {
     if options.screenshot.is_some() {
         offscreen::run(options)
     } else {
-        window::run(options, None).map(|_| ())
+        window::run(options, None)
     }
+}
+
+/// Opens the window as [`run`] does, with somebody looking on.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_watched(options: ViewOptions, onlooker: &mut dyn Onlooker) -> Result<(), ViewError> {
+    window::run(options, Some(onlooker))
 }

@@ -25,9 +25,11 @@ pub fn run(options: ViewOptions) -> Result<(), ViewError> {
         return Err(ViewError::Other("no screenshot was asked for".to_owned()));
     };
     let mut canvas = Canvas::new(shot.size)?;
-    options.check_sizes(canvas.device.limits().max_texture_dimension_2d as usize)?;
+    let largest_side = canvas.device.limits().max_texture_dimension_2d as usize;
+    options.check_sizes(largest_side)?;
     let link = RenderLink::live(options.threads, || {}).map_err(ViewError::Other)?;
     let mut app = App::new(link, options, || {});
+    app.largest_side = largest_side;
     app.open_first_scene();
     let pixels = canvas.draw_when_ready(&mut app, &shot)?;
     write_png(&shot.path, &pixels).map_err(|e| ViewError::Other(e.to_string()))
@@ -72,16 +74,25 @@ impl Canvas {
         loop {
             let output = self.lay_out(&ctx, app);
             self.take_textures(output);
-            let is_there = app.is_current()
-                && app.picture.divisor == 1
-                && app.picture.stats.n_iterations >= shot.after_iterations.max(1);
-            if is_there || (app.picture.is_there() && app.picture.stats.is_done && app.is_current())
+            let is_there = app.session.is_current()
+                && app.session.picture.divisor == 1
+                && app.session.picture.stats.n_iterations >= shot.after_iterations.max(1);
+            if is_there
+                || (app.session.picture.is_there()
+                    && app.session.picture.stats.is_done
+                    && app.session.is_current())
             {
                 break;
             }
-            let is_hopeless = app.setup.open.is_none() && !app.is_loading();
+            let is_hopeless = app.session.setup.open.is_none() && !app.is_loading();
             if is_hopeless {
-                let text = app.notices.texts().next().unwrap_or("no scene").to_owned();
+                let text = app
+                    .shell
+                    .notices
+                    .texts()
+                    .next()
+                    .unwrap_or("no scene")
+                    .to_owned();
                 return Err(ViewError::Other(text));
             }
             if start.elapsed() > PATIENCE {
@@ -90,12 +101,12 @@ impl Canvas {
             std::thread::sleep(Duration::from_millis(10));
         }
         // What was laid out with the first sizes settles within a few frames.
-        app.link.pause(true);
+        app.session.link.pause(true);
         for _ in 0..2 {
             let output = self.lay_out(&ctx, app);
             self.take_textures(output);
         }
-        app.link.pause(false);
+        app.session.link.pause(false);
         let output = self.lay_out(&ctx, app);
         self.render(&ctx, output)
     }

@@ -6,6 +6,7 @@ use glam::Vec3;
 use neumann_core::film::View;
 use neumann_core::render::StopRule;
 use neumann_core::scene::{Backs, SkyChoice};
+use neumann_picture::state::State;
 use neumann_picture::tone::ToneCurve;
 
 /// How the window begins.
@@ -13,6 +14,9 @@ use neumann_picture::tone::ToneCurve;
 pub struct ViewOptions {
     /// Name of a built-in scene, or a path; empty for `cornell`.
     pub scene: String,
+    /// All that was chosen when a state was saved; stands for scene, method, camera, environment,
+    /// backs, depth, view and exposure.
+    pub state: Option<Box<State>>,
     /// Id of a method.
     pub integrator: Option<String>,
     /// Parameters of the method, as `--set` gives them.
@@ -34,7 +38,7 @@ pub struct ViewOptions {
     /// When rendering is done.
     pub stop: StopRule,
     /// Which part of the series is shown.
-    pub view: View,
+    pub part: View,
     /// Exposure.
     pub exposure: Exposure,
     /// Tone curve.

@@ -62,7 +62,7 @@ impl Picture {
         }
         link.read(|published| self.take(published));
         if viewing.is_auto {
-            viewing.exposure_ev = self.auto_exposure(viewing.view);
+            viewing.exposure_ev = self.auto_exposure(viewing.part);
         }
         true
     }

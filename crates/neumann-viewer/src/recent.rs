@@ -1,8 +1,8 @@
-//! Scenes opened lately, kept from one start to the next: one path a line.
+//! Scenes and states opened lately, kept from one start to the next: one path a line.
 
 use std::path::PathBuf;
 
-/// Paths of scenes, latest first.
+/// Paths of scenes and states, latest first.
 #[derive(Clone, Debug, Default)]
 pub struct Recent {
     paths: Vec<String>,

@@ -12,12 +12,12 @@ use neumann_picture::image_file::{Image, read_image};
 
 /// Something that was asked for has come, or has failed.
 pub enum Arrival {
-    /// A scene, by the name or path that was asked for.
-    Scene(String, Result<Arc<Scene>, String>),
+    /// A scene, with the number of the request.
+    Scene(u64, Result<Arc<Scene>, String>),
     /// A better tree for a scene that was opened before.
     Tree(BetterTree),
-    /// An environment map.
-    Environment(Result<EnvironmentFile, String>),
+    /// An environment map, by its path.
+    Environment(PathBuf, Result<EnvironmentFile, String>),
     /// A reference picture, by its path.
     Reference(String, Result<Image, String>),
     /// A path was chosen in the desktop's dialog.
@@ -43,6 +43,7 @@ pub struct Background {
     receiver: Receiver<Option<Arrival>>,
     wake: Arc<dyn Fn() + Send + Sync>,
     n_running: usize,
+    n_scenes: u64,
 }
 
 impl Background {
@@ -55,6 +56,7 @@ impl Background {
             receiver,
             wake,
             n_running: 0,
+            n_scenes: 0,
         }
     }
 
@@ -71,15 +73,18 @@ impl Background {
         finished.into_iter().flatten().collect()
     }
 
-    /// Opens a built-in scene by name or a file by path, under its own sky or another.
+    /// Opens a built-in scene by name or a file by path, under its own sky or another. Yields the
+    /// number of the request and how far it is.
     pub fn open_scene(
         &mut self,
         source: String,
         sky: Option<SkyChoice>,
         backs: Backs,
         options: LoadOptions,
-    ) -> OpeningProgress {
+    ) -> (u64, OpeningProgress) {
         let progress = options.progress.clone();
+        self.n_scenes += 1;
+        let request = self.n_scenes;
         self.run("neumann-load", move || {
             let open = || {
                 let mut description = scene::open(&source, &options)?;
@@ -94,9 +99,9 @@ impl Background {
                 Ok(lit(scene.with_backs(backs)))
             };
             let scene = open().map(Arc::new).map_err(|e: LoadError| e.to_string());
-            Some(Arrival::Scene(source, scene))
+            Some(Arrival::Scene(request, scene))
         });
-        progress
+        (request, progress)
     }
 
     /// Builds a better tree for a scene that was built quickly.
@@ -110,7 +115,7 @@ impl Background {
     pub fn open_environment(&mut self, path: PathBuf) {
         self.run("neumann-load", move || {
             let map = load_environment(&path).map_err(|e| e.to_string());
-            Some(Arrival::Environment(map))
+            Some(Arrival::Environment(path, map))
         });
     }
 
@@ -129,7 +134,7 @@ impl Background {
             let dialog = match wanted {
                 Wanted::Scene => dialog
                     .set_title("Open a scene")
-                    .add_filter("glTF scenes", &["gltf", "glb"]),
+                    .add_filter("glTF scenes and states", &["gltf", "glb", "json"]),
                 Wanted::Environment => dialog
                     .set_title("Open an environment map")
                     .add_filter("Environment maps", &["hdr", "exr"]),

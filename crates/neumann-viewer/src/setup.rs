@@ -1,12 +1,13 @@
 //! What is rendered: scene, camera, method and depth. Any change of it begins anew.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, Method, ParameterValues};
 use neumann_core::render::{RenderSettings, StopRule, lit};
 use neumann_core::scene::description::EnvironmentDescription;
-use neumann_core::scene::{Appearance, Backs, BetterTree, Scene, Sky};
+use neumann_core::scene::{Appearance, Backs, BetterTree, Scene, Sky, SkyChoice};
 
 use crate::camera_control::CameraControl;
 use crate::options::{CameraOptions, EnvironmentOptions, ViewOptions};
@@ -36,6 +37,8 @@ impl OpenScene {
 pub struct Setup {
     /// The scene; `None` until the first one has been opened.
     pub open: Option<OpenScene>,
+    /// What stands in place of the scene's own sky, if anything.
+    pub sky: Option<SkyChoice>,
     /// The camera under the user's hand.
     pub camera: Option<CameraControl>,
     /// Index into [`METHODS`].
@@ -80,6 +83,7 @@ impl Setup {
         }
         let setup = Self {
             open: None,
+            sky: None,
             camera: None,
             method,
             values,
@@ -114,6 +118,7 @@ impl Setup {
             .cameras()
             .first()
             .map(|camera| CameraControl::new(camera.clone(), scene.bounds()));
+        self.sky = None;
         self.open = Some(OpenScene {
             source,
             original: scene.appearance().clone(),
@@ -184,6 +189,7 @@ impl Setup {
     /// Puts a built-in sky, or none, in place of the environment, turned like the one before.
     pub fn choose_sky(&mut self, sky: Option<Sky>) {
         let Some(open) = &self.open else { return };
+        self.sky = Some(sky.map_or(SkyChoice::None, SkyChoice::Builtin));
         let mut appearance = open.scene.appearance().clone();
         let rotation = appearance.environment.as_ref().map_or(0.0, |e| e.rotation);
         appearance.environment = sky.map(|sky| {
@@ -192,6 +198,15 @@ impl Setup {
                 ..sky.description()
             })
         });
+        self.dress(appearance);
+    }
+
+    /// Puts a map that was read from a file in place of the environment.
+    pub fn take_map(&mut self, file: PathBuf, map: EnvironmentDescription) {
+        let Some(open) = &self.open else { return };
+        self.sky = Some(SkyChoice::File(file));
+        let mut appearance = open.scene.appearance().clone();
+        appearance.environment = Some(Arc::new(map));
         self.dress(appearance);
     }
 

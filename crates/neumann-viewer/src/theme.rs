@@ -261,6 +261,12 @@ fn visuals(theme: Theme) -> Visuals {
     v
 }
 
+/// Ground that lets text be read over any picture.
+#[must_use]
+pub fn plate(p: &Palette) -> Color32 {
+    p.ground.gamma_multiply(0.78)
+}
+
 #[cfg(test)]
 mod tests {
     use super::{DARK, LIGHT};

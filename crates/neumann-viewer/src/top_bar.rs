@@ -5,32 +5,33 @@ use egui::{
 };
 use neumann_core::integrator::METHODS;
 
-use crate::app::App;
 use crate::keys::Action;
 use crate::panels::Page;
+use crate::session::Session;
+use crate::setup::Setup;
+use crate::shell::Shell;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{Icon, icon_button, row_button, segmented, segmented_width};
 
 /// Draws the bar into `rect`.
-pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
+pub fn show(ui: &mut Ui, rect: Rect, session: &mut Session, shell: &mut Shell) {
     let p = Palette::of(ui);
     theme::fill_panel(ui, rect);
     ui.painter()
         .hline(rect.x_range(), rect.bottom() - 0.5, (1.0, p.line));
     let inner = rect.shrink2(Vec2::new(GRID, 0.0));
-    let icons = commands(ui, inner, app);
-    let scene = scene_button(ui, inner, app);
+    let icons = commands(ui, inner, session.link.is_paused(), shell);
+    let scene = scene_button(ui, inner, &session.setup, &mut shell.page);
     let room = Rect::from_min_max(
         pos2(scene.right() + GRID, rect.top()),
         pos2(icons.left() - GRID, rect.bottom()),
     );
-    methods(ui, rect, room, app);
+    methods(ui, rect, room, &mut session.setup, &mut shell.is_menu_open);
 }
 
-fn scene_button(ui: &mut Ui, rect: Rect, app: &mut App) -> Rect {
+fn scene_button(ui: &mut Ui, rect: Rect, setup: &Setup, page: &mut Page) -> Rect {
     let p = Palette::of(ui);
-    let name = app
-        .setup
+    let name = setup
         .open
         .as_ref()
         .map_or("no scene", |open| open.short_name());
@@ -53,16 +54,15 @@ fn scene_button(ui: &mut Ui, rect: Rect, app: &mut App) -> Rect {
         egui::WidgetInfo::labeled(egui::Role::Button, true, format!("scene: {name}"))
     });
     if response.clicked() {
-        app.page = Page::Scene;
+        *page = Page::Scene;
     }
     spot
 }
 
-fn commands(ui: &mut Ui, rect: Rect, app: &mut App) -> Rect {
+fn commands(ui: &mut Ui, rect: Rect, is_paused: bool, shell: &mut Shell) -> Rect {
     const N: f32 = 6.0;
     let width = N * 28.0 + (N - 1.0) * 4.0;
     let spot = Rect::from_min_max(pos2(rect.right() - width, rect.top()), rect.max);
-    let is_paused = app.link.is_paused();
     let (icon, name) = if is_paused {
         (Icon::Play, "go on")
     } else {
@@ -90,13 +90,12 @@ fn commands(ui: &mut Ui, rect: Rect, app: &mut App) -> Rect {
         }
     });
     if let Some(action) = chosen {
-        app.perform(ui.ctx(), action);
-        ui.ctx().request_repaint();
+        shell.act(ui.ctx(), action);
     }
     spot
 }
 
-fn methods(ui: &mut Ui, bar: Rect, room: Rect, app: &mut App) {
+fn methods(ui: &mut Ui, bar: Rect, room: Rect, setup: &mut Setup, is_menu_open: &mut bool) {
     let titles: Vec<&str> = METHODS.iter().map(|m| m.title).collect();
     let width = segmented_width(ui, &titles);
     if width <= room.width() {
@@ -113,22 +112,22 @@ fn methods(ui: &mut Ui, bar: Rect, room: Rect, app: &mut App) {
         );
         let clicked = ui
             .scope_builder(UiBuilder::new().max_rect(spot).id_salt("methods"), |ui| {
-                segmented(ui, "method", &titles, app.setup.method)
+                segmented(ui, "method", &titles, setup.method)
             })
             .inner;
         if let Some(index) = clicked {
-            app.setup.choose_method(index);
+            setup.choose_method(index);
         }
-        app.is_menu_open = false;
+        *is_menu_open = false;
         return;
     }
-    menu(ui, room, app);
+    menu(ui, room, setup, is_menu_open);
 }
 
 /// Where there is no room for all methods in a row.
-fn menu(ui: &mut Ui, room: Rect, app: &mut App) {
+fn menu(ui: &mut Ui, room: Rect, setup: &mut Setup, is_open: &mut bool) {
     let p = Palette::of(ui);
-    let title = app.setup.method().title;
+    let title = setup.method().title;
     let spot = Rect::from_center_size(room.center(), Vec2::new(room.width().min(160.0), 28.0));
     let response = ui.interact(
         spot,
@@ -151,9 +150,9 @@ fn menu(ui: &mut Ui, room: Rect, app: &mut App) {
         egui::WidgetInfo::labeled(egui::Role::Button, true, format!("method: {title}"))
     });
     if response.clicked() {
-        app.is_menu_open = !app.is_menu_open;
+        *is_open = !*is_open;
     }
-    if !app.is_menu_open {
+    if !*is_open {
         return;
     }
     let area = Area::new(Id::unique("methods"))
@@ -168,15 +167,15 @@ fn menu(ui: &mut Ui, room: Rect, app: &mut App) {
                 .show(ui, |ui| {
                     ui.set_width(248.0);
                     for (i, method) in METHODS.iter().enumerate() {
-                        let is_chosen = i == app.setup.method;
+                        let is_chosen = i == setup.method;
                         if row_button(ui, method.title, method.id, is_chosen).clicked() {
-                            app.setup.choose_method(i);
-                            app.is_menu_open = false;
+                            setup.choose_method(i);
+                            *is_open = false;
                         }
                     }
                 });
         });
     if area.response.clicked_elsewhere() && !response.clicked() {
-        app.is_menu_open = false;
+        *is_open = false;
     }
 }

@@ -15,11 +15,12 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
-use crate::app::{App, WindowRequest};
-use crate::latency::{Latencies, Plan};
+use crate::app::App;
+use crate::onlooker::{Nudge, Onlooker};
 use crate::options::{ViewError, ViewOptions};
 use crate::recent::Recent;
 use crate::render_link::RenderLink;
+use crate::shell::WindowRequest;
 use crate::surface::Surface;
 
 /// What reaches the window beside winit's own events.
@@ -31,8 +32,8 @@ pub(crate) enum Event {
     Wake,
     /// Assistive technology.
     AccessKit(accesskit_winit::Event),
-    /// The next step of a measurement, sent at that time.
-    Measure(Instant),
+    /// From an onlooker, given at that time.
+    Nudge(Instant),
 }
 
 impl From<accesskit_winit::Event> for Event {
@@ -54,14 +55,14 @@ const COALESCING: Duration = Duration::from_millis(12);
 /// How long a frame waits for a coarse picture of what has just been asked for.
 const COARSE_PATIENCE: Duration = Duration::from_millis(33);
 
-/// Opens the window and stays until it is closed; with a plan, measures and closes by itself.
+/// Opens the window and stays until it is closed, by its user or an onlooker.
 ///
 /// # Errors
 /// If there is no display, no graphics adapter, or no threads.
 pub(crate) fn run(
     options: ViewOptions,
-    plan: Option<Plan>,
-) -> Result<Option<Latencies>, ViewError> {
+    onlooker: Option<&mut dyn Onlooker>,
+) -> Result<(), ViewError> {
     let event_loop = EventLoop::<Event>::with_user_event()
         .build()
         .map_err(|e| ViewError::NoDisplay(one_line(&e.to_string())))?;
@@ -70,14 +71,14 @@ pub(crate) fn run(
         options: Some(options),
         running: None,
         failure: None,
-        latencies: plan.map(Latencies::new),
+        onlooker,
     };
     event_loop
         .run_app(&mut handler)
         .map_err(|e| ViewError::Other(e.to_string()))?;
     match handler.failure {
         Some(failure) => Err(failure),
-        None => Ok(handler.latencies),
+        None => Ok(()),
     }
 }
 
@@ -85,12 +86,12 @@ fn one_line(text: &str) -> String {
     text.lines().collect::<Vec<_>>().join(" ")
 }
 
-struct Handler {
+struct Handler<'a> {
     proxy: EventLoopProxy<Event>,
     options: Option<ViewOptions>,
     running: Option<Running>,
     failure: Option<ViewError>,
-    latencies: Option<Latencies>,
+    onlooker: Option<&'a mut dyn Onlooker>,
 }
 
 struct Running {
@@ -105,10 +106,12 @@ struct Running {
     drawn: Instant,
     /// How long the last frame took.
     cost: Duration,
+    /// The interface's own part of it.
+    share: Duration,
     next: Option<Instant>,
 }
 
-impl Handler {
+impl Handler<'_> {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ViewError> {
         let Some(options) = self.options.take() else {
             return Ok(());
@@ -140,15 +143,14 @@ impl Handler {
         let mut app = App::new(link, options, move || {
             let _ = proxy.send_event(Event::Wake);
         });
-        app.recent = Recent::load();
+        app.shell.recent = Recent::load();
         app.open_first_scene();
         // The scene is read while the graphics device gets ready.
         let start = Instant::now();
         let surface = Surface::new(event_loop, Arc::clone(&window))?;
-        sizes.check_sizes(surface.max_texture_side())?;
-        if let Some(latencies) = &mut self.latencies {
-            latencies.adapter = start.elapsed();
-        }
+        app.largest_side = surface.max_texture_side();
+        sizes.check_sizes(app.largest_side)?;
+        let adapter = start.elapsed();
         let mut egui = egui_winit::State::new(
             ctx.clone(),
             ViewportId::ROOT,
@@ -166,8 +168,8 @@ impl Handler {
         } else {
             HARDWARE_PERIOD
         };
-        if let Some(latencies) = &self.latencies {
-            latencies.begin(self.proxy.clone());
+        if let Some(onlooker) = &mut self.onlooker {
+            onlooker.opened(adapter, Nudge(self.proxy.clone()));
         }
         self.running = Some(Running {
             window,
@@ -180,13 +182,14 @@ impl Handler {
             is_software,
             drawn: Instant::now(),
             cost: Duration::ZERO,
+            share: Duration::ZERO,
             next: None,
         });
         Ok(())
     }
 }
 
-impl ApplicationHandler<Event> for Handler {
+impl ApplicationHandler<Event> for Handler<'_> {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if let Err(failure) = self.open(event_loop) {
             self.failure = Some(failure);
@@ -204,7 +207,10 @@ impl ApplicationHandler<Event> for Handler {
                 return;
             }
             WindowEvent::RedrawRequested => {
-                running.redraw(event_loop, self.latencies.as_mut());
+                running.redraw(event_loop);
+                if let Some(onlooker) = &mut self.onlooker {
+                    onlooker.presented(&running.app, running.share);
+                }
                 return;
             }
             WindowEvent::Resized(PhysicalSize { width, height }) => {
@@ -227,7 +233,7 @@ impl ApplicationHandler<Event> for Handler {
         };
         match event {
             Event::Published => {
-                if running.app.is_current() {
+                if running.app.session.is_current() {
                     running.wake_at(running.due());
                 } else {
                     running.window.request_redraw();
@@ -238,12 +244,12 @@ impl ApplicationHandler<Event> for Handler {
                 running.take_accesskit(event);
                 running.window.request_redraw();
             }
-            Event::Measure(sent) => {
-                let Some(latencies) = &mut self.latencies else {
+            Event::Nudge(given) => {
+                let Some(onlooker) = &mut self.onlooker else {
                     return;
                 };
                 let input = running.egui.egui_input_mut();
-                if latencies.step(sent, &mut running.app, input) {
+                if onlooker.nudged(given, &mut running.app, input) {
                     running.window.request_redraw();
                 } else {
                     close(running, event_loop);
@@ -276,14 +282,14 @@ fn close(running: &Running, event_loop: &ActiveEventLoop) {
 }
 
 impl Running {
-    fn redraw(&mut self, event_loop: &ActiveEventLoop, latencies: Option<&mut Latencies>) {
+    fn redraw(&mut self, event_loop: &ActiveEventLoop) {
         self.is_announced.store(false, Ordering::Release);
         self.next = None;
         let start = Instant::now();
-        let n_starts = self.app.link.n_starts();
+        let n_starts = self.app.session.link.n_starts();
         let mut output = self.lay_out();
         let mut laid_out = start.elapsed();
-        if self.app.link.n_starts() != n_starts && self.first_frame_comes() {
+        if self.app.session.link.n_starts() != n_starts && self.first_frame_comes() {
             // One frame that shows what was asked for is there sooner than one that
             // does not and a second one that does.
             let start = Instant::now();
@@ -305,12 +311,8 @@ impl Running {
         let prepared = self.surface.present(&self.window, &self.ctx, output);
         self.drawn = Instant::now();
         self.cost = presenting.elapsed();
-        if let Some(latencies) = latencies {
-            let is_current = self.app.is_current();
-            let share = laid_out + prepared.unwrap_or_default();
-            latencies.frame_presented(is_current, share, &self.app.picture);
-        }
-        for request in std::mem::take(&mut self.app.requests) {
+        self.share = laid_out + prepared.unwrap_or_default();
+        for request in std::mem::take(&mut self.app.shell.requests) {
             match request {
                 WindowRequest::Quit => close(self, event_loop),
                 WindowRequest::Fullscreen => {
@@ -328,7 +330,7 @@ impl Running {
     /// On a software adapter a frame costs the renderer time: at full resolution, where each
     /// iteration changes little, frames take an eighth of it at most.
     fn due(&self) -> Instant {
-        let is_climbing = self.app.picture.divisor > 1;
+        let is_climbing = self.app.session.picture.divisor > 1;
         let pause = if !self.is_software || is_climbing {
             self.period
         } else {
@@ -345,7 +347,7 @@ impl Running {
     /// Waits a moment for the first frame of what has just been started; true if it has come.
     fn first_frame_comes(&self) -> bool {
         let start = Instant::now();
-        let link = &self.app.link;
+        let link = &self.app.session.link;
         while !link.is_paused() && start.elapsed() < COARSE_PATIENCE {
             if link.read(|published| published.generation) == link.generation() {
                 return true;

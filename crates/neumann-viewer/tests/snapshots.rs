@@ -56,7 +56,7 @@ fn the_window_looks_as_it_did() {
         ("window_small", [900.0, 600.0], Theme::Dark, View::Upto(5)),
     ] {
         let mut app = app();
-        app.viewing.view = view;
+        app.viewing.settings.part = view;
         let mut harness = builder(size, theme).build_ui_state(|ui, app: &mut App| app.ui(ui), app);
         harness.run_steps(4);
         results.add(harness.try_snapshot(name));

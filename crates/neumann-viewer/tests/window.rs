@@ -21,6 +21,7 @@ use neumann_core::scene::description::{
 };
 use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
+use neumann_viewer::views::techniques::TechniqueView;
 
 use support::{app, app_with_techniques};
 
@@ -56,13 +57,17 @@ fn thumbnails_choose_the_view() {
             click(&mut harness, "row: terms");
         }
         click(&mut harness, "term T^2 L_e");
-        assert_eq!(harness.state().viewing.view, View::Term(2));
+        assert_eq!(harness.state().viewing.settings.part, View::Term(2));
         if size[0] < 1000.0 {
             click(&mut harness, "row: sums");
         }
         click(&mut harness, "sum up to 3");
-        assert_eq!(harness.state().viewing.view, View::Upto(3));
-        assert_eq!(harness.state().link.n_starts(), 1, "a view never restarts");
+        assert_eq!(harness.state().viewing.settings.part, View::Upto(3));
+        assert_eq!(
+            harness.state().session.link.n_starts(),
+            1,
+            "a view never restarts"
+        );
     }
 }
 
@@ -72,7 +77,7 @@ fn keys_choose_the_view() {
     let mut after = |key: Key, modifiers: Modifiers| {
         harness.key_press_modifiers(modifiers, key);
         harness.run_steps(2);
-        harness.state().viewing.view
+        harness.state().viewing.settings.part
     };
     assert_eq!(after(Key::Num3, Modifiers::NONE), View::Term(3));
     assert_eq!(after(Key::ArrowRight, Modifiers::NONE), View::Term(4));
@@ -82,35 +87,39 @@ fn keys_choose_the_view() {
     assert_eq!(after(Key::ArrowLeft, Modifiers::NONE), View::Term(0));
     assert_eq!(after(Key::L, Modifiers::NONE), View::Total);
     assert_eq!(after(Key::Num9, Modifiers::NONE), View::Tail);
-    assert_eq!(harness.state().link.n_starts(), 1, "a view never restarts");
+    assert_eq!(
+        harness.state().session.link.n_starts(),
+        1,
+        "a view never restarts"
+    );
 }
 
 #[test]
 fn methods_change_by_click_and_by_key_and_keep_camera_and_view() {
     let mut harness = harness([1280.0, 720.0]);
     press(&mut harness, Key::Num2);
-    let camera = harness.state().setup.settings().unwrap().camera;
+    let camera = harness.state().session.setup.settings().unwrap().camera;
     click(&mut harness, &format!("method: {}", METHODS[0].title));
-    assert_eq!(harness.state().setup.method(), METHODS[0]);
+    assert_eq!(harness.state().session.setup.method(), METHODS[0]);
     press(&mut harness, Key::CloseBracket);
-    assert_eq!(harness.state().setup.method(), METHODS[1]);
+    assert_eq!(harness.state().session.setup.method(), METHODS[1]);
     press(&mut harness, Key::OpenBracket);
     let app = harness.state();
-    let job = app.link.started().unwrap();
+    let job = app.session.link.started().unwrap();
     assert_eq!(job.settings.method, METHODS[0]);
     assert_eq!(
         job.settings.camera.world_from_camera,
         camera.world_from_camera
     );
-    assert_eq!(app.viewing.view, View::Term(2));
-    assert_eq!(app.link.n_starts(), 4);
+    assert_eq!(app.viewing.settings.part, View::Term(2));
+    assert_eq!(app.session.link.n_starts(), 4);
 }
 
 #[test]
 fn a_bad_path_says_so_and_keeps_the_scene() {
     let mut harness = harness([1280.0, 960.0]);
     press(&mut harness, Key::F2);
-    assert_eq!(harness.state().page, Page::Scene);
+    assert_eq!(harness.state().shell.page, Page::Scene);
     harness.get_by_label("path of a scene").focus();
     harness.run_steps(2);
     harness
@@ -119,25 +128,32 @@ fn a_bad_path_says_so_and_keeps_the_scene() {
     harness.run_steps(2);
     click(&mut harness, "Open");
     wait(&mut harness, |app| !app.is_loading());
-    let notice = harness.state().notices.texts().next().unwrap().to_owned();
+    let notice = harness
+        .state()
+        .shell
+        .notices
+        .texts()
+        .next()
+        .unwrap()
+        .to_owned();
     assert!(notice.contains("no-such-scene.glb"), "{notice}");
     assert_eq!(
-        harness.state().setup.open.as_ref().unwrap().source,
+        harness.state().session.setup.open.as_ref().unwrap().source,
         "furnace"
     );
     press(&mut harness, Key::Escape);
     press(&mut harness, Key::Escape);
-    assert_eq!(harness.state().notices.texts().count(), 0);
+    assert_eq!(harness.state().shell.notices.texts().count(), 0);
 
-    harness.state_mut().path = "cornell".to_owned();
+    harness.state_mut().shell.fields.scene = "cornell".to_owned();
     harness.run_steps(2);
     click(&mut harness, "Open");
     wait(&mut harness, |app| !app.is_loading());
     assert_eq!(
-        harness.state().setup.open.as_ref().unwrap().source,
+        harness.state().session.setup.open.as_ref().unwrap().source,
         "cornell"
     );
-    assert_eq!(harness.state().link.n_starts(), 2);
+    assert_eq!(harness.state().session.link.n_starts(), 2);
 }
 
 fn wait(harness: &mut Harness<'_, App>, is_done: impl Fn(&App) -> bool) {
@@ -155,43 +171,44 @@ fn wait(harness: &mut Harness<'_, App>, is_done: impl Fn(&App) -> bool) {
 fn pausing_by_key_and_by_button() {
     let mut harness = harness([1280.0, 720.0]);
     press(&mut harness, Key::Space);
-    assert!(harness.state().link.is_paused());
+    assert!(harness.state().session.link.is_paused());
     click(&mut harness, "go on");
-    assert!(!harness.state().link.is_paused());
-    let n = harness.state().link.n_starts();
+    assert!(!harness.state().session.link.is_paused());
+    let n = harness.state().session.link.n_starts();
     press(&mut harness, Key::R);
-    assert_eq!(harness.state().link.n_starts(), n + 1);
+    assert_eq!(harness.state().session.link.n_starts(), n + 1);
 }
 
 #[test]
 fn a_slider_steps_with_the_keyboard_and_resets() {
     let mut harness = harness([1280.0, 960.0]);
-    assert_eq!(harness.state().setup.max_bounces, 16);
+    assert_eq!(harness.state().session.setup.max_bounces, 16);
     harness
         .get_by_role_and_label(egui::accesskit::Role::Slider, "longest path")
         .focus();
     harness.run_steps(2);
     press(&mut harness, Key::ArrowRight);
-    assert_eq!(harness.state().setup.max_bounces, 17);
+    assert_eq!(harness.state().session.setup.max_bounces, 17);
     assert_eq!(
-        harness.state().viewing.view,
+        harness.state().viewing.settings.part,
         View::Total,
         "the arrow stays with the slider"
     );
-    assert_eq!(harness.state().link.n_starts(), 2);
+    assert_eq!(harness.state().session.link.n_starts(), 2);
     click(&mut harness, "reset longest path");
-    assert_eq!(harness.state().setup.max_bounces, 16);
+    assert_eq!(harness.state().session.setup.max_bounces, 16);
 }
 
 #[test]
 fn parameters_of_the_method_can_be_changed() {
     let mut harness = harness([1280.0, 960.0]);
-    let method = harness.state().setup.method();
+    let method = harness.state().session.setup.method();
     let parameter = method.parameters.first().expect("pt-mis has roulette");
-    let before = harness.state().setup.settings().unwrap().values;
+    let before = harness.state().session.setup.settings().unwrap().values;
     click(&mut harness, parameter.title);
     let after = harness
         .state()
+        .session
         .link
         .started()
         .unwrap()
@@ -205,21 +222,27 @@ fn parameters_of_the_method_can_be_changed() {
 fn stopping_after_iterations_does_not_restart() {
     let mut harness = harness([1280.0, 960.0]);
     click(&mut harness, "stop after: iterations");
-    assert_eq!(harness.state().setup.stop, StopRule::Iterations(256));
-    assert_eq!(harness.state().link.n_starts(), 1);
+    assert_eq!(
+        harness.state().session.setup.stop,
+        StopRule::Iterations(256)
+    );
+    assert_eq!(harness.state().session.link.n_starts(), 1);
 }
 
 #[test]
 fn tab_hides_the_panels_and_f6_gives_them_the_keyboard() {
     let mut harness = harness([1280.0, 720.0]);
     press(&mut harness, Key::Tab);
-    assert!(harness.state().is_bare);
+    assert!(harness.state().shell.is_bare);
     press(&mut harness, Key::Tab);
-    assert!(!harness.state().is_bare);
+    assert!(!harness.state().shell.is_bare);
     press(&mut harness, Key::F6);
     assert!(harness.ctx.memory(|m| m.focused()).is_some());
     press(&mut harness, Key::Tab);
-    assert!(!harness.state().is_bare, "Tab goes on to the next control");
+    assert!(
+        !harness.state().shell.is_bare,
+        "Tab goes on to the next control"
+    );
     press(&mut harness, Key::Escape);
     assert!(harness.ctx.memory(|m| m.focused()).is_none());
 }
@@ -231,20 +254,26 @@ fn display_keys_do_not_render_anew() {
         press(&mut harness, key);
     }
     let app = harness.state();
-    assert!((app.viewing.exposure_ev - 1.0 / 3.0).abs() < 1e-6);
-    assert!(app.viewing.is_false_colour && app.viewing.is_wiping);
-    assert!(app.viewing.zoom.is_some());
-    assert_eq!(app.link.n_starts(), 1);
+    assert!((app.viewing.settings.exposure_ev - 1.0 / 3.0).abs() < 1e-6);
+    assert!(app.viewing.settings.is_false_colour && app.viewing.settings.is_wiping);
+    assert!(app.viewing.settings.zoom.is_some());
+    assert_eq!(app.session.link.n_starts(), 1);
 }
 
 #[test]
 fn the_camera_moves_and_comes_home() {
     let mut harness = harness([1280.0, 720.0]);
-    let home = harness.state().setup.camera.as_ref().unwrap().eye();
+    let home = harness.state().session.setup.camera.as_ref().unwrap().eye();
     press(&mut harness, Key::W);
-    assert_ne!(harness.state().setup.camera.as_ref().unwrap().eye(), home);
+    assert_ne!(
+        harness.state().session.setup.camera.as_ref().unwrap().eye(),
+        home
+    );
     press(&mut harness, Key::Home);
-    assert_eq!(harness.state().setup.camera.as_ref().unwrap().eye(), home);
+    assert_eq!(
+        harness.state().session.setup.camera.as_ref().unwrap().eye(),
+        home
+    );
 }
 
 #[test]
@@ -253,6 +282,7 @@ fn a_light_can_be_switched_off_and_a_material_edited() {
     press(&mut harness, Key::F2);
     let app = harness.state_mut();
     let material = app
+        .session
         .setup
         .open
         .as_ref()
@@ -264,19 +294,19 @@ fn a_light_can_be_switched_off_and_a_material_edited() {
         .clone();
     harness.run_steps(2);
     click(&mut harness, &material);
-    let scene = &harness.state().setup.open.as_ref().unwrap().scene;
+    let scene = &harness.state().session.setup.open.as_ref().unwrap().scene;
     assert!(!scene.appearance().material_levels[0].is_on);
-    assert_eq!(harness.state().link.n_starts(), 2);
+    assert_eq!(harness.state().session.link.n_starts(), 2);
 }
 
 #[test]
 fn help_lists_the_keys_and_escape_closes_it() {
     let mut harness = harness([1280.0, 720.0]);
     press(&mut harness, Key::Questionmark);
-    assert!(harness.state().is_help_open);
+    assert!(harness.state().shell.is_help_open);
     assert!(harness.query_by_label("keys").is_some());
     press(&mut harness, Key::Escape);
-    assert!(!harness.state().is_help_open);
+    assert!(!harness.state().shell.is_help_open);
 }
 
 #[test]
@@ -284,8 +314,8 @@ fn every_method_can_be_reached_and_keeps_camera_view_and_exposure() {
     let mut harness = harness([1280.0, 720.0]);
     press(&mut harness, Key::Num3);
     press(&mut harness, Key::E);
-    let camera = harness.state().setup.settings().unwrap().camera;
-    let first = harness.state().setup.method;
+    let camera = harness.state().session.setup.settings().unwrap().camera;
+    let first = harness.state().session.setup.method;
     for (key, step) in [
         (Key::CloseBracket, 1),
         (Key::OpenBracket, METHODS.len() - 1),
@@ -294,67 +324,102 @@ fn every_method_can_be_reached_and_keeps_camera_view_and_exposure() {
             press(&mut harness, key);
             let app = harness.state();
             let expected = METHODS[(first + n * step) % METHODS.len()];
-            let job = app.link.started().unwrap();
+            let job = app.session.link.started().unwrap();
             assert_eq!(job.settings.method, expected);
             assert_eq!(
                 job.settings.camera.world_from_camera,
                 camera.world_from_camera
             );
-            assert_eq!(app.viewing.view, View::Term(3));
-            assert!((app.viewing.exposure_ev - 1.0 / 3.0).abs() < 1e-6);
+            assert_eq!(app.viewing.settings.part, View::Term(3));
+            assert!((app.viewing.settings.exposure_ev - 1.0 / 3.0).abs() < 1e-6);
         }
     }
+}
+
+fn techniques<'a>(harness: &'a Harness<'_, App>) -> &'a TechniqueView {
+    harness.state().viewing.views.get().expect("a row of VIEWS")
+}
+
+fn is_apart(harness: &Harness<'_, App>) -> bool {
+    harness.state().viewing.views.shown().id == "techniques"
 }
 
 #[test]
 fn techniques_open_enlarge_and_close() {
     for size in [[1280.0, 720.0], [900.0, 600.0]] {
         let mut harness = harness_of(size, app_with_techniques());
-        assert!(!harness.state().link.is_recording());
+        assert!(!harness.state().session.link.is_recording());
         press(&mut harness, Key::V);
-        assert!(harness.state().link.is_recording());
+        assert!(harness.state().session.link.is_recording());
         for strategy in ["s=0 t=2", "s=0 t=3", "s=1 t=2", "s=1 t=3", "s=2 t=2"] {
             let label = format!("technique {strategy}");
             assert!(harness.query_by_label(&label).is_some(), "{label}");
         }
-        let sum: f64 = harness.state().techniques.techniques().map(|t| t.1).sum();
+        let sum: f64 = techniques(&harness).techniques().map(|t| t.1).sum();
         assert!(sum > 0.5 && sum < 1.0 + 1e-6, "shares add up to {sum}");
         click(&mut harness, "technique image: raw");
-        assert_eq!(harness.state().techniques.image, TechniqueImage::Raw);
+        assert_eq!(techniques(&harness).image, TechniqueImage::Raw);
         click(&mut harness, "technique s=1 t=2");
-        let enlarged = harness.state().techniques.enlarged;
+        let enlarged = techniques(&harness).enlarged;
         assert_eq!(enlarged, Some(Strategy::connect(1, 2)));
         click(&mut harness, "enlarged technique s=1 t=2");
-        assert_eq!(harness.state().techniques.enlarged, None);
+        assert_eq!(techniques(&harness).enlarged, None);
         click(&mut harness, "technique s=1 t=3");
         press(&mut harness, Key::F6);
         press(&mut harness, Key::Escape);
         assert!(harness.ctx.memory(|m| m.focused()).is_none());
-        assert!(harness.state().techniques.enlarged.is_some());
+        assert!(techniques(&harness).enlarged.is_some());
         press(&mut harness, Key::Escape);
-        assert!(harness.state().techniques.is_open, "back to all of them");
+        assert!(is_apart(&harness), "back to all of them");
         press(&mut harness, Key::Escape);
-        assert!(!harness.state().techniques.is_open);
-        assert!(!harness.state().link.is_recording());
-        assert_eq!(harness.state().link.n_starts(), 1, "a view never restarts");
+        assert!(!is_apart(&harness));
+        assert!(!harness.state().session.link.is_recording());
+        assert_eq!(
+            harness.state().session.link.n_starts(),
+            1,
+            "a view never restarts"
+        );
     }
+}
+
+#[test]
+fn what_is_saved_is_what_is_shown() {
+    let mut harness = harness_of([1280.0, 720.0], app_with_techniques());
+    let saved = |harness: &Harness<'_, App>| {
+        let app = harness.state();
+        let image = app
+            .viewing
+            .views
+            .image(&app.session, &app.viewing.settings)
+            .expect("there is something to save");
+        let pixels = (image.pixels)();
+        (image.name, pixels.width, pixels.height)
+    };
+    assert_eq!(saved(&harness), ("L".to_owned(), 96, 96));
+    press(&mut harness, Key::V);
+    let (name, width, _) = saved(&harness);
+    assert_eq!(name, "techniques");
+    assert!(width > 32 * 5, "all of them on a sheet");
+    click(&mut harness, "technique s=1 t=2");
+    let name = format!("s=1 t=2-{}", TechniqueImage::default().name());
+    assert_eq!(saved(&harness), (name, 32, 32));
 }
 
 #[test]
 fn techniques_close_with_their_method_and_with_another_view() {
     let mut harness = harness_of([1280.0, 720.0], app_with_techniques());
     click(&mut harness, "Techniques apart");
-    assert!(harness.state().link.is_recording());
+    assert!(harness.state().session.link.is_recording());
     press(&mut harness, Key::CloseBracket);
-    assert!(!harness.state().techniques.is_open, "pm has none");
-    assert!(!harness.state().link.is_recording());
+    assert!(!is_apart(&harness), "pm has none");
+    assert!(!harness.state().session.link.is_recording());
     press(&mut harness, Key::V);
-    assert!(!harness.state().techniques.is_open);
-    assert_eq!(harness.state().notices.texts().count(), 1);
+    assert!(!is_apart(&harness));
+    assert_eq!(harness.state().shell.notices.texts().count(), 1);
     press(&mut harness, Key::OpenBracket);
     press(&mut harness, Key::V);
     press(&mut harness, Key::Num2);
-    assert!(!harness.state().techniques.is_open, "the view is shown");
+    assert!(!is_apart(&harness), "the view is shown");
 }
 
 /// A triangle without light, as a file of the user's own.
@@ -379,6 +444,7 @@ fn dark_triangle() -> Arc<Scene> {
 fn sky_of(harness: &Harness<'_, App>) -> Option<String> {
     let open = harness
         .state()
+        .session
         .setup
         .open
         .as_ref()
@@ -393,15 +459,15 @@ fn the_default_sky_goes_at_a_click_and_others_can_be_chosen() {
     let app = harness.state_mut();
     app.take_scene("triangle.glb".to_owned(), dark_triangle());
     assert!(
-        app.viewing.is_auto,
+        app.viewing.settings.is_auto,
         "files of one's own expose by themselves"
     );
     harness.run_steps(2);
     assert_eq!(sky_of(&harness).as_deref(), Some("studio"));
     click(&mut harness, "Remove sky");
     assert_eq!(sky_of(&harness), None);
-    assert_eq!(harness.state().notices.texts().count(), 0);
-    harness.state_mut().page = Page::Scene;
+    assert_eq!(harness.state().shell.notices.texts().count(), 0);
+    harness.state_mut().shell.page = Page::Scene;
     harness.run_steps(2);
     click(&mut harness, "Environment");
     click(&mut harness, "sky: sun");
@@ -422,23 +488,23 @@ fn room_from_outside() -> Arc<Scene> {
 #[test]
 fn backs_are_looked_through_at_a_click_and_solid_at_another() {
     let mut harness = harness([1280.0, 2400.0]);
-    let n_notices = |harness: &Harness<'_, App>| harness.state().notices.texts().count();
+    let n_notices = |harness: &Harness<'_, App>| harness.state().shell.notices.texts().count();
     assert_eq!(n_notices(&harness), 0, "the furnace is seen from inside");
     let app = harness.state_mut();
     app.take_scene("room.glb".to_owned(), room_from_outside());
     harness.run_steps(2);
-    let told: Vec<_> = harness.state().notices.texts().collect();
+    let told: Vec<_> = harness.state().shell.notices.texts().collect();
     let says = |text: &&str| text.starts_with("Backs of single-sided surfaces hide ");
     assert!(told.iter().any(says), "{told:?}");
     let started = |harness: &Harness<'_, App>| {
-        let job = harness.state().link.started().expect("it renders");
+        let job = harness.state().session.link.started().expect("it renders");
         job.scene.sees_through_backs()
     };
     assert!(!started(&harness));
     click(&mut harness, "Look through");
     assert!(started(&harness));
     assert_eq!(n_notices(&harness), 0);
-    harness.state_mut().page = Page::Scene;
+    harness.state_mut().shell.page = Page::Scene;
     harness.run_steps(2);
     click(&mut harness, "look through backs");
     assert!(!started(&harness));

@@ -61,15 +61,45 @@ pub(crate) enum Command {
     Completions(CompletionsArguments),
 }
 
+/// Arguments of `view` that a state stands for.
+const IN_STATE: [&str; 20] = [
+    "scene",
+    "integrator",
+    "set",
+    "max_bounces",
+    "layers",
+    "seed",
+    "backs",
+    "camera",
+    "eye",
+    "target",
+    "up",
+    "fov",
+    "aperture",
+    "focus",
+    "env",
+    "env_intensity",
+    "env_rotation",
+    "view",
+    "exposure",
+    "tone",
+];
+
 /// Arguments of `view`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     neumann view cornell --view T2\n  \
     neumann view room.glb --integrator pt-nee --exposure 1.5 --tone agx\n  \
+    neumann view --state shot.json\n  \
     neumann view cornell --screenshot window.png --after 64 --window-size 1280x720")]
 pub(crate) struct ViewArguments {
     /// A .gltf or .glb file, or the name of a built-in scene
-    pub(crate) scene: String,
+    #[arg(required_unless_present = "state")]
+    pub(crate) scene: Option<String>,
+    /// Show what was seen when a state was saved (Ctrl Shift S in the window): its scene, camera,
+    /// method, view, exposure, environment and edits; or that of an .exr saved in the window
+    #[arg(long, value_name = "FILE", conflicts_with_all = IN_STATE)]
+    pub(crate) state: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) settings: SettingsOptions,
     #[command(flatten)]

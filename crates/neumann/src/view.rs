@@ -36,7 +36,7 @@ pub(crate) fn open(_scene: &str) -> Result<(), NoWindow> {
 
 #[cfg(not(feature = "window"))]
 pub(crate) fn run(arguments: &ViewArguments) -> Outcome {
-    check_scene(&arguments.scene)?;
+    arguments.scene.as_deref().map_or(Ok(()), check_scene)?;
     Err(anyhow::anyhow!(
         "{NO_WINDOW}; use 'neumann render' or 'neumann series'"
     ))

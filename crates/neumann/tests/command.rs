@@ -15,6 +15,9 @@ mod refusals;
 mod replay;
 #[path = "command/signals.rs"]
 mod signals;
+#[cfg(feature = "window")]
+#[path = "command/states.rs"]
+mod states;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -40,6 +40,8 @@ impl Display {
                 "-screen",
                 "0",
                 "1280x720x24",
+                // Else it starts anew when the first tool leaves, and drops the window on its way.
+                "-noreset",
                 "-nolisten",
                 "tcp",
             ])

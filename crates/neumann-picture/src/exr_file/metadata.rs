@@ -12,6 +12,7 @@ use neumann_core::scene::description::{CameraDescription, EnvironmentDescription
 use neumann_core::scene::{Appearance, Backs, Scene};
 
 use super::IterationRanges;
+use crate::state::State;
 
 /// How a picture was made.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,6 +46,9 @@ pub struct Metadata {
     pub backs: Backs,
     /// Contributions refused because they were not finite or negative.
     pub n_refused: u64,
+    /// All that had been chosen in the window, if it was saved there; says nothing about the film
+    /// that the other entries do not.
+    pub state: Option<Box<State>>,
 }
 
 impl Metadata {
@@ -122,6 +126,10 @@ impl Metadata {
             let name = text_of(&format!("{PREFIX}{name}"));
             attributes.other.insert(name, value);
         }
+        if let Some(state) = &self.state {
+            let name = text_of(&format!("{PREFIX}state"));
+            attributes.other.insert(name, text(&state.to_line()));
+        }
         attributes.software_name = Some(text_of(&format!("neumann {}", self.program_version)));
     }
 
@@ -183,6 +191,11 @@ impl Metadata {
                 Err(_) => Backs::Solid,
             },
             n_refused: number("refused")?,
+            // One of a later version may not be understood; the film is as good without it.
+            state: string("state")
+                .ok()
+                .and_then(|text| State::parse(&text).ok())
+                .map(|(state, _)| Box::new(state)),
         })
     }
 }

@@ -34,6 +34,26 @@ pub struct Checkpoint {
     pub metadata: Metadata,
 }
 
+/// Reads how a picture was made, from the header of a file that [`super::write_exr`] wrote.
+///
+/// # Errors
+/// If the file cannot be read, or is not such a file.
+pub fn read_metadata(path: &Path) -> Result<Metadata, PictureError> {
+    let meta = MetaData::read_from_buffered(BufReader::new(open_regular(path)?), false);
+    let meta = meta.map_err(|error| {
+        PictureError::content(path, format!("no OpenEXR file, or a broken one: {error}"))
+    })?;
+    let first = meta.headers.first();
+    let found = first.map_or(Err("version"), |header| {
+        Metadata::take(&header.own_attributes)
+    });
+    found.map_err(|name| {
+        let what =
+            format!("not a film that neumann wrote: it has no proper entry 'neumann.{name}'");
+        PictureError::content(path, format!("{what}; render it again"))
+    })
+}
+
 /// Reads a file that [`super::write_exr`] wrote.
 ///
 /// # Errors

@@ -12,6 +12,7 @@ use super::{
     read_layers, write_exr, write_exr_as, write_image_exr,
 };
 use crate::files::tests::TestFolder;
+use crate::state::State;
 
 const SIZE: (usize, usize) = (37, 21);
 
@@ -52,6 +53,10 @@ fn metadata() -> Metadata {
         appearance: "0123".to_owned(),
         backs: Backs::SeeThrough,
         n_refused: 3,
+        state: Some(Box::new(State {
+            scene: "cornell".to_owned(),
+            ..State::default()
+        })),
     }
 }
 

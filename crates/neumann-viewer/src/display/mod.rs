@@ -10,7 +10,7 @@ pub mod values;
 pub use gpu::{Draw, FilmGpu, Look, MAX_DRAWS, Mode, SharedPlanes, Variant};
 pub use planes::{Plane, Planes, Slot, mean_of};
 
-use neumann_core::film::View;
+use neumann_core::film::View as Part;
 use neumann_picture::false_colour::ColourMap;
 use neumann_picture::tone::{Display, ToneCurve};
 
@@ -18,7 +18,7 @@ use neumann_picture::tone::{Display, ToneCurve};
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewSettings {
     /// Which part of the series.
-    pub view: View,
+    pub part: Part,
     /// Exposure, stops.
     pub exposure_ev: f32,
     /// Exposure follows the picture.
@@ -46,7 +46,7 @@ pub struct ViewSettings {
 impl Default for ViewSettings {
     fn default() -> Self {
         Self {
-            view: View::Total,
+            part: Part::Total,
             exposure_ev: 0.0,
             is_auto: false,
             tone: ToneCurve::None,
@@ -122,40 +122,40 @@ impl ViewSettings {
 
     /// Shows the row's term or sum with that number; the last place of the terms is the tail, that of the sums L.
     pub fn choose(&mut self, is_sum: bool, place: usize, n_layers: usize) {
-        self.view = match (is_sum, place < n_layers) {
-            (false, true) => View::Term(place),
-            (false, false) => View::Tail,
-            (true, true) => View::Upto(place),
-            (true, false) => View::Total,
+        self.part = match (is_sum, place < n_layers) {
+            (false, true) => Part::Term(place),
+            (false, false) => Part::Tail,
+            (true, true) => Part::Upto(place),
+            (true, false) => Part::Total,
         };
     }
 
-    /// Row (true: sums) and place of the view on the filmstrip.
+    /// Row (true: sums) and place of the part on the filmstrip.
     #[must_use]
     pub fn place(&self, n_layers: usize) -> (bool, usize) {
-        match self.view {
-            View::Term(k) => (false, k.min(n_layers)),
-            View::Tail => (false, n_layers),
-            View::Upto(k) => (true, k.min(n_layers)),
-            View::Total => (true, n_layers),
+        match self.part {
+            Part::Term(k) => (false, k.min(n_layers)),
+            Part::Tail => (false, n_layers),
+            Part::Upto(k) => (true, k.min(n_layers)),
+            Part::Total => (true, n_layers),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use neumann_core::film::View;
+    use neumann_core::film::View as Part;
 
     use super::ViewSettings;
 
     #[test]
     fn places_read_back() {
         let mut settings = ViewSettings::default();
-        for view in [View::Total, View::Tail, View::Term(3), View::Upto(0)] {
-            settings.view = view;
+        for part in [Part::Total, Part::Tail, Part::Term(3), Part::Upto(0)] {
+            settings.part = part;
             let (is_sum, place) = settings.place(8);
             settings.choose(is_sum, place, 8);
-            assert_eq!(settings.view, view);
+            assert_eq!(settings.part, part);
         }
     }
 }

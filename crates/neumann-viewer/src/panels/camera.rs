@@ -2,14 +2,14 @@
 
 use egui::Ui;
 
-use crate::app::App;
+use crate::setup::Setup;
 use crate::theme::GRID;
 use crate::widgets::{Slider, button, fact, heading, paragraph, rule, significant};
 
-pub(super) fn show(ui: &mut Ui, app: &mut App) {
+pub(super) fn show(ui: &mut Ui, setup: &mut Setup) {
     heading(ui, "Camera");
-    let aspect = app.setup.size.0.max(1) as f32 / app.setup.size.1.max(1) as f32;
-    let Some(control) = &mut app.setup.camera else {
+    let aspect = setup.size.0.max(1) as f32 / setup.size.1.max(1) as f32;
+    let Some(control) = &mut setup.camera else {
         paragraph(ui, "There is none without a scene.");
         return;
     };
@@ -72,5 +72,5 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
         is_changed = true;
     }
     paragraph(ui, "Alt and a click on the picture focuses there.");
-    app.setup.is_changed |= is_changed;
+    setup.is_changed |= is_changed;
 }

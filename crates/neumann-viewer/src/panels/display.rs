@@ -6,17 +6,18 @@ use egui::Ui;
 use neumann_picture::false_colour::ColourMap;
 use neumann_picture::tone::ToneCurve;
 
-use crate::app::App;
+use crate::display::ViewSettings;
 use crate::keys::Action;
+use crate::picture::Picture;
 use crate::scene_source::Wanted;
+use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::widgets::{
     Slider, button, choice_row, fact, heading, hint, paragraph, rule, switch, text_field,
 };
 
-pub(super) fn show(ui: &mut Ui, app: &mut App) {
+pub(super) fn show(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: &mut Shell) {
     heading(ui, "Exposure and tone");
-    let viewing = &mut app.viewing;
     let mut ev = f64::from(viewing.exposure_ev);
     let slider = Slider::new("exposure", -16.0, 16.0).unit("EV").default(0.0);
     if slider.show(ui, &mut ev).changed() {
@@ -24,7 +25,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
         viewing.is_auto = false;
     }
     if switch(ui, "automatic", &mut viewing.is_auto).changed() && viewing.is_auto {
-        viewing.exposure_ev = app.picture.auto_exposure(viewing.view);
+        viewing.exposure_ev = picture.auto_exposure(viewing.part);
     }
     let names = ToneCurve::ALL.map(ToneCurve::name);
     let chosen = ToneCurve::ALL.iter().position(|t| *t == viewing.tone);
@@ -51,7 +52,6 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
         .zoom
         .map_or_else(|| "whole picture".to_owned(), |z| format!("{z:.2} ×"));
     fact(ui, "pixels", &size);
-    let mut actions = Vec::new();
     ui.horizontal(|ui| {
         for (name, action) in [
             ("−", Action::Zoom(-1)),
@@ -59,23 +59,19 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
             ("Whole", Action::ZoomFit),
         ] {
             if button(ui, name).clicked() {
-                actions.push(action);
+                shell.act(ui.ctx(), action);
             }
         }
     });
     hint(ui, "or the wheel with Ctrl; right drag moves");
-    compare(ui, app, &mut actions);
-    for action in actions {
-        app.perform(ui.ctx(), action);
-        ui.ctx().request_repaint();
-    }
+    compare(ui, picture, viewing, shell);
 }
 
-fn compare(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
+fn compare(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: &mut Shell) {
     rule(ui);
     heading(ui, "Compare");
     for (i, name) in ["A", "B"].into_iter().enumerate() {
-        let held = app.picture.held.get(i).and_then(Option::as_ref);
+        let held = picture.held.get(i).and_then(Option::as_ref);
         let text = match (held, i) {
             (Some(held), _) => held.label.clone(),
             (None, 0) => "nothing held".to_owned(),
@@ -85,45 +81,45 @@ fn compare(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     }
     ui.horizontal(|ui| {
         if button(ui, "Hold as A").clicked() {
-            actions.push(Action::HoldA);
+            shell.act(ui.ctx(), Action::HoldA);
         }
         if button(ui, "Hold as B").clicked() {
-            actions.push(Action::HoldB);
+            shell.act(ui.ctx(), Action::HoldB);
         }
     });
-    let is_held = app.picture.held[0].is_some();
-    let mut is_wiping = app.viewing.is_wiping;
+    let is_held = picture.held[0].is_some();
+    let mut is_wiping = viewing.is_wiping;
     ui.add_enabled_ui(is_held, |ui| {
         if switch(ui, "wipe A | B", &mut is_wiping).changed() {
-            actions.push(Action::Wipe);
+            shell.act(ui.ctx(), Action::Wipe);
         }
     });
-    if app.viewing.is_wiping {
-        let mut place = f64::from(app.viewing.wipe);
+    if viewing.is_wiping {
+        let mut place = f64::from(viewing.wipe);
         Slider::new("place of the wipe", 0.0, 1.0)
             .default(0.5)
             .show(ui, &mut place);
-        app.viewing.wipe = place as f32;
+        viewing.wipe = place as f32;
     }
     ui.add_space(GRID);
-    match &app.picture.reference {
+    match &picture.reference {
         Some(name) => hint(ui, name),
         None => paragraph(ui, "No reference; load an EXR to see the difference to it."),
     }
-    text_field(ui, "path of a reference", &mut app.reference_path);
+    text_field(ui, "path of a reference", &mut shell.fields.reference);
     ui.horizontal(|ui| {
-        if button(ui, "Load").clicked() && !app.reference_path.trim().is_empty() {
-            let path = PathBuf::from(app.reference_path.trim());
-            app.background.open_reference(path);
+        if button(ui, "Load").clicked() && !shell.fields.reference.trim().is_empty() {
+            let path = PathBuf::from(shell.fields.reference.trim());
+            shell.background.open_reference(path);
         }
         if button(ui, "Browse …").clicked() {
-            app.background.choose(Wanted::Reference);
+            shell.background.choose(Wanted::Reference);
         }
     });
-    let mut is_difference = app.viewing.is_difference;
-    ui.add_enabled_ui(app.picture.reference.is_some(), |ui| {
+    let mut is_difference = viewing.is_difference;
+    ui.add_enabled_ui(picture.reference.is_some(), |ui| {
         if switch(ui, "difference", &mut is_difference).changed() {
-            actions.push(Action::Difference);
+            shell.act(ui.ctx(), Action::Difference);
         }
     });
 }

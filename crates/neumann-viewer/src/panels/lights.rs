@@ -6,13 +6,14 @@ use std::sync::Arc;
 use egui::Ui;
 use neumann_core::scene::{Appearance, Level, Sky};
 
-use crate::app::App;
 use crate::notices::Offer;
 use crate::scene_source::Wanted;
+use crate::setup::Setup;
+use crate::shell::Shell;
 use crate::widgets::{Slider, button, choice_row, fold, hint, switch, text_field};
 
-pub(super) fn show(ui: &mut Ui, app: &mut App) {
-    let Some(open) = &app.setup.open else { return };
+pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
+    let Some(open) = &setup.open else { return };
     let mut edited = None;
     if fold(ui, "Lights", true) {
         let mut appearance = open.scene.appearance().clone();
@@ -24,11 +25,11 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
         let mut appearance = edited
             .take()
             .unwrap_or_else(|| open.scene.appearance().clone());
-        let is_changed = environment(ui, app, &mut appearance);
+        let is_changed = environment(ui, setup, shell, &mut appearance);
         edited = is_changed.then_some(appearance);
     }
     if let Some(appearance) = edited {
-        app.setup.dress(appearance);
+        setup.dress(appearance);
     }
 }
 
@@ -88,7 +89,12 @@ fn level_row(ui: &mut Ui, name: &str, level: &mut Level) -> bool {
     is_changed
 }
 
-fn environment(ui: &mut Ui, app: &mut App, appearance: &mut Appearance) -> bool {
+fn environment(
+    ui: &mut Ui,
+    setup: &mut Setup,
+    shell: &mut Shell,
+    appearance: &mut Appearance,
+) -> bool {
     let mut is_changed = false;
     // Whatever it is called, a sky is named by its formula: a file of that name has an ending.
     let now = appearance.environment.as_ref();
@@ -100,8 +106,8 @@ fn environment(ui: &mut Ui, app: &mut App, appearance: &mut Appearance) -> bool 
     names.push("none");
     let clicked = choice_row(ui, "sky", &names, chosen.unwrap_or(usize::MAX));
     if let Some(i) = clicked.filter(|i| Some(*i) != chosen) {
-        app.notices.withdraw(Offer::RemoveSky);
-        app.setup.choose_sky(Sky::ALL.get(i).copied());
+        shell.notices.withdraw(Offer::RemoveSky);
+        setup.choose_sky(Sky::ALL.get(i).copied());
         return false;
     }
     if let Some(map) = &appearance.environment {
@@ -118,14 +124,18 @@ fn environment(ui: &mut Ui, app: &mut App, appearance: &mut Appearance) -> bool 
             is_changed = true;
         }
     }
-    text_field(ui, "path of a .hdr or .exr map", &mut app.environment_path);
+    text_field(
+        ui,
+        "path of a .hdr or .exr map",
+        &mut shell.fields.environment,
+    );
     ui.horizontal(|ui| {
-        if button(ui, "Load").clicked() && !app.environment_path.trim().is_empty() {
-            let path = PathBuf::from(app.environment_path.trim());
-            app.background.open_environment(path);
+        if button(ui, "Load").clicked() && !shell.fields.environment.trim().is_empty() {
+            let path = PathBuf::from(shell.fields.environment.trim());
+            shell.background.open_environment(path);
         }
         if button(ui, "Browse …").clicked() {
-            app.background.choose(Wanted::Environment);
+            shell.background.choose(Wanted::Environment);
         }
     });
     is_changed

@@ -4,11 +4,11 @@ use egui::Ui;
 use neumann_core::radiometry::Rgb;
 use neumann_core::scene::description::MaterialDescription;
 
-use crate::app::App;
+use crate::setup::Setup;
 use crate::widgets::{Slider, button, color_sliders, fold, hint, row_button};
 
-pub(super) fn show(ui: &mut Ui, app: &mut App) {
-    let Some(open) = &app.setup.open else { return };
+pub(super) fn show(ui: &mut Ui, setup: &mut Setup, edited_one: &mut Option<usize>) {
+    let Some(open) = &setup.open else { return };
     if !fold(ui, "Materials", false) {
         return;
     }
@@ -25,7 +25,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
         } else {
             material.name.clone()
         };
-        let is_chosen = app.material == Some(i);
+        let is_chosen = *edited_one == Some(i);
         let original = open.original.materials.get(i);
         let remark = if original == Some(material) {
             ""
@@ -33,7 +33,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
             "edited"
         };
         if row_button(ui, &name, remark, is_chosen).clicked() {
-            app.material = (!is_chosen).then_some(i);
+            *edited_one = (!is_chosen).then_some(i);
         }
         if is_chosen {
             let mut changed = material.clone();
@@ -45,7 +45,7 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
     if let Some((i, material)) = edited {
         let mut appearance = appearance.clone();
         appearance.materials[i] = material;
-        app.setup.dress(appearance);
+        setup.dress(appearance);
     }
 }
 

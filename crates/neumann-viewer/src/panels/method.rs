@@ -4,13 +4,18 @@ use egui::Ui;
 use neumann_core::integrator::{METHODS, Parameter, ParameterKind, ParameterValues, Value};
 use neumann_core::render::StopRule;
 
-use crate::app::App;
-use crate::techniques;
+use crate::keys::Action;
+use crate::render_link::RenderLink;
+use crate::session::Session;
+use crate::setup::Setup;
+use crate::shell::Shell;
 use crate::theme::GRID;
+use crate::views::{VIEWS, Views};
 use crate::widgets::{Slider, button, choice_row, heading, paragraph, rule, switch};
 
-pub(super) fn show(ui: &mut Ui, app: &mut App) {
-    let method = app.setup.method();
+pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mut Shell) {
+    let setup = &mut session.setup;
+    let method = setup.method();
     heading(ui, method.name);
     paragraph(ui, method.about);
     if !method.blind_spots.is_empty() {
@@ -21,69 +26,78 @@ pub(super) fn show(ui: &mut Ui, app: &mut App) {
         ui.add_space(GRID / 2.0);
         paragraph(ui, &format!("Biased: {bias}"));
     }
-    if method.has_techniques {
-        ui.add_space(GRID);
-        let name = if app.techniques.is_open {
-            "Back to the picture"
-        } else {
-            "Techniques apart"
-        };
-        let about = "An image for each technique: s vertices from the light, t from the camera (V)";
-        if button(ui, name).on_hover_text(about).clicked() {
-            techniques::toggle(app);
-        }
-    }
+    view_buttons(ui, setup, views, shell);
     ui.add_space(GRID);
-    let values = &mut app.setup.values[app.setup.method];
-    for parameter in METHODS[app.setup.method].parameters {
-        app.setup.is_changed |= parameter_row(ui, parameter, values);
+    let values = &mut setup.values[setup.method];
+    for parameter in METHODS[setup.method].parameters {
+        setup.is_changed |= parameter_row(ui, parameter, values);
     }
     rule(ui);
     heading(ui, "Series");
-    let mut bounces = f64::from(app.setup.max_bounces);
+    let mut bounces = f64::from(setup.max_bounces);
     let longest = Slider::new("longest path", 0.0, 128.0)
         .step(1.0)
         .default(16.0)
         .unit("bounces")
         .about("Terms with more scattering events than this are not computed.");
     if longest.show(ui, &mut bounces).changed() {
-        app.setup.max_bounces = bounces as u32;
-        app.setup.is_changed = true;
+        setup.max_bounces = bounces as u32;
+        setup.is_changed = true;
     }
-    let mut layers = app.setup.n_layers as f64;
+    let mut layers = setup.n_layers as f64;
     let kept = Slider::new("terms kept apart", 1.0, 16.0)
         .step(1.0)
         .default(8.0)
         .about("Light scattered more often goes into the tail.");
     if kept.show(ui, &mut layers).changed() {
-        app.setup.n_layers = layers as usize;
-        app.setup.is_changed = true;
+        setup.n_layers = layers as usize;
+        setup.is_changed = true;
     }
-    let mut seed = app.setup.seed as f64;
+    let mut seed = setup.seed as f64;
     let seeds = Slider::new("seed", 0.0, 999.0)
         .step(1.0)
         .default(0.0)
         .about("Chooses the random numbers; the same seed makes the same picture.");
     if seeds.show(ui, &mut seed).changed() {
-        app.setup.seed = seed as u64;
-        app.setup.is_changed = true;
+        setup.seed = seed as u64;
+        setup.is_changed = true;
     }
     rule(ui);
     heading(ui, "Run");
-    run(ui, app);
+    run(ui, setup, &mut session.link);
 }
 
-fn run(ui: &mut Ui, app: &mut App) {
+/// A button for each view that this method and scene can be shown by.
+fn view_buttons(ui: &mut Ui, setup: &Setup, views: &Views, shell: &mut Shell) {
+    for row in VIEWS.iter().skip(1) {
+        if (row.refusal)(setup).is_some() {
+            continue;
+        }
+        ui.add_space(GRID);
+        let name = if views.shown().id == row.id {
+            "Back to the picture"
+        } else {
+            row.title
+        };
+        let key = row.key.as_ref().map(|line| format!(" ({})", line.keys));
+        let about = format!("{}{}", row.about, key.unwrap_or_default());
+        if button(ui, name).on_hover_text(about).clicked() {
+            shell.act(ui.ctx(), Action::View(row.id));
+        }
+    }
+}
+
+fn run(ui: &mut Ui, setup: &mut Setup, link: &mut RenderLink) {
     ui.horizontal(|ui| {
-        let is_paused = app.link.is_paused();
+        let is_paused = link.is_paused();
         if button(ui, if is_paused { "Go on" } else { "Pause" }).clicked() {
-            app.link.pause(!is_paused);
+            link.pause(!is_paused);
         }
         if button(ui, "Begin again").clicked() {
-            app.setup.is_changed = true;
+            setup.is_changed = true;
         }
     });
-    let before = app.setup.stop;
+    let before = setup.stop;
     let chosen = match before {
         StopRule::Never => 0,
         StopRule::Iterations(_) => 1,
@@ -95,12 +109,12 @@ fn run(ui: &mut Ui, app: &mut App) {
         &["never", "iterations", "seconds"],
         chosen,
     ) {
-        Some(0) => app.setup.stop = StopRule::Never,
-        Some(1) => app.setup.stop = StopRule::Iterations(256),
-        Some(_) => app.setup.stop = StopRule::Seconds(60.0),
+        Some(0) => setup.stop = StopRule::Never,
+        Some(1) => setup.stop = StopRule::Iterations(256),
+        Some(_) => setup.stop = StopRule::Seconds(60.0),
         None => {}
     }
-    match &mut app.setup.stop {
+    match &mut setup.stop {
         StopRule::Never => {}
         StopRule::Iterations(n) => {
             let mut number = f64::from(*n);
@@ -117,8 +131,8 @@ fn run(ui: &mut Ui, app: &mut App) {
             slider.show(ui, seconds);
         }
     }
-    if app.setup.stop != before {
-        app.link.stop_after(app.setup.stop);
+    if setup.stop != before {
+        link.stop_after(setup.stop);
     }
 }
 

@@ -9,8 +9,10 @@ mod scene;
 
 use egui::{Margin, Rect, ScrollArea, Ui, UiBuilder};
 
-use crate::app::App;
+use crate::session::Session;
+use crate::shell::Shell;
 use crate::theme::{self, GRID, Palette};
+use crate::viewing::Viewing;
 use crate::widgets::tabs;
 
 /// The pages of the panel.
@@ -44,7 +46,13 @@ impl Page {
 }
 
 /// Draws the panel into `rect`.
-pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
+pub fn show(
+    ui: &mut Ui,
+    rect: Rect,
+    session: &mut Session,
+    viewing: &mut Viewing,
+    shell: &mut Shell,
+) {
     let p = Palette::of(ui);
     theme::fill_panel(ui, rect);
     ui.painter()
@@ -53,9 +61,9 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
     ui.scope_builder(UiBuilder::new().max_rect(inner).id_salt("panel"), |ui| {
         ui.add_space(GRID / 2.0);
         let titles = Page::ALL.map(Page::title);
-        let chosen = Page::ALL.iter().position(|page| *page == app.page);
+        let chosen = Page::ALL.iter().position(|page| *page == shell.page);
         if let Some(i) = tabs(ui, &titles, chosen.unwrap_or(0)) {
-            app.page = Page::ALL[i];
+            shell.page = Page::ALL[i];
         }
         ui.add_space(GRID / 2.0);
         // Text runs to the edge of the panel's own margin; what scrolls is cut a little further out.
@@ -64,17 +72,19 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
             .expand2(egui::vec2(GRID, 0.0));
         ui.scope_builder(UiBuilder::new().max_rect(area), |ui| {
             ScrollArea::vertical()
-                .id_salt(app.page.title())
+                .id_salt(shell.page.title())
                 .auto_shrink(false)
                 .show(ui, |ui| {
                     let margin = Margin::symmetric(GRID as i8, 0);
                     egui::Frame::new().inner_margin(margin).show(ui, |ui| {
                         ui.set_width(ui.available_width());
-                        match app.page {
-                            Page::Method => method::show(ui, app),
-                            Page::Scene => scene::show(ui, app),
-                            Page::Camera => camera::show(ui, app),
-                            Page::Display => display::show(ui, app),
+                        match shell.page {
+                            Page::Method => method::show(ui, session, &viewing.views, shell),
+                            Page::Scene => scene::show(ui, &mut session.setup, shell),
+                            Page::Camera => camera::show(ui, &mut session.setup),
+                            Page::Display => {
+                                display::show(ui, &session.picture, &mut viewing.settings, shell);
+                            }
                         }
                         ui.add_space(2.0 * GRID);
                     });

@@ -4,58 +4,62 @@ use egui::{Key, Ui};
 use neumann_core::scene::Backs;
 use neumann_core::scene::builtin::BUILTINS;
 
-use crate::app::App;
-use crate::notices::Offer;
+use crate::notices::{Notices, Offer};
 use crate::scene_source::Wanted;
+use crate::setup::Setup;
+use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::widgets::{
     button, fact, fold, heading, hint, paragraph, row_button, switch, text_field,
 };
 
-pub(super) fn show(ui: &mut Ui, app: &mut App) {
-    about(ui, app);
+pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
+    about(ui, setup);
     ui.add_space(GRID);
-    let field = text_field(ui, "path of a scene", &mut app.path);
+    let field = text_field(ui, "path of a scene", &mut shell.fields.scene);
     let is_entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
     ui.horizontal(|ui| {
         let is_pressed = button(ui, "Open").clicked();
-        if (is_pressed || is_entered) && !app.path.trim().is_empty() {
-            let path = app.path.trim().to_owned();
-            app.open_scene(path);
+        if (is_pressed || is_entered) && !shell.fields.scene.trim().is_empty() {
+            let path = shell.fields.scene.trim().to_owned();
+            shell.open_scene(path);
         }
         if button(ui, "Browse …").clicked() {
-            app.background.choose(Wanted::Scene);
+            shell.background.choose(Wanted::Scene);
         }
     });
     hint(ui, "or drop a .gltf or .glb file on the window");
 
     if fold(ui, "Built-in scenes", true) {
-        crate::gallery::show(ui, app);
+        let open = setup.open.as_ref().map(|open| open.source.as_str());
+        if let Some(name) = crate::gallery::show(ui, &mut shell.gallery, open) {
+            shell.open_scene(name);
+        }
     }
-    if !app.recent.paths().is_empty() && fold(ui, "Recent", false) {
-        let paths = app.recent.paths().to_vec();
+    if !shell.recent.paths().is_empty() && fold(ui, "Recent", false) {
+        let paths = shell.recent.paths().to_vec();
         for path in paths {
             let name = std::path::Path::new(&path)
                 .file_name()
                 .map_or_else(|| path.clone(), |n| n.to_string_lossy().into_owned());
             let response = row_button(ui, &name, "", false);
             if response.clicked() {
-                app.open_scene(path.clone());
+                shell.open_scene(path.as_str());
             }
             response.on_hover_text(path);
         }
     }
-    if app.setup.open.is_some() {
-        cameras(ui, app);
-        backs(ui, app);
-        super::lights::show(ui, app);
-        super::materials::show(ui, app);
-        warnings(ui, app);
+    if setup.open.is_some() {
+        cameras(ui, setup);
+        backs(ui, setup, &mut shell.notices);
+        super::lights::show(ui, setup, shell);
+        super::materials::show(ui, setup, &mut shell.material);
+        warnings(ui, setup);
     }
 }
 
-fn about(ui: &mut Ui, app: &App) {
-    let Some(open) = &app.setup.open else {
+fn about(ui: &mut Ui, setup: &Setup) {
+    let Some(open) = &setup.open else {
         heading(ui, "No scene");
         paragraph(ui, "Open one below.");
         return;
@@ -84,8 +88,8 @@ fn about(ui: &mut Ui, app: &App) {
     }
 }
 
-fn cameras(ui: &mut Ui, app: &mut App) {
-    let Some(open) = &app.setup.open else { return };
+fn cameras(ui: &mut Ui, setup: &mut Setup) {
+    let Some(open) = &setup.open else { return };
     if open.scene.cameras().len() < 2 || !fold(ui, "Cameras", true) {
         return;
     }
@@ -101,22 +105,22 @@ fn cameras(ui: &mut Ui, app: &mut App) {
         }
     }
     if let Some(i) = chosen {
-        app.setup.take_camera(i);
+        setup.take_camera(i);
     }
 }
 
 /// Whether the camera looks through the backs of single-sided surfaces, where there are any.
-fn backs(ui: &mut Ui, app: &mut App) {
-    let Some(open) = &app.setup.open else { return };
+fn backs(ui: &mut Ui, setup: &mut Setup, notices: &mut Notices) {
+    let Some(open) = &setup.open else { return };
     if !open.scene.has_backs() {
         return;
     }
     let mut is_on = open.scene.appearance().backs == Backs::SeeThrough;
     let response = switch(ui, "look through backs", &mut is_on);
     if response.changed() {
-        app.notices.withdraw(Offer::LookThroughBacks);
+        notices.withdraw(Offer::LookThroughBacks);
         let backs = [Backs::Solid, Backs::SeeThrough][usize::from(is_on)];
-        app.setup.choose_backs(backs);
+        setup.choose_backs(backs);
     }
     response.on_hover_text(
         "Single-sided surfaces that the camera sees from behind are left out: the walls of a room \
@@ -124,8 +128,8 @@ fn backs(ui: &mut Ui, app: &mut App) {
     );
 }
 
-fn warnings(ui: &mut Ui, app: &App) {
-    let Some(open) = &app.setup.open else { return };
+fn warnings(ui: &mut Ui, setup: &Setup) {
+    let Some(open) = &setup.open else { return };
     let warnings = open.scene.warnings();
     if warnings.is_empty() || !fold(ui, "Notices", false) {
         return;

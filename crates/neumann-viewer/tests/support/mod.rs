@@ -73,7 +73,7 @@ pub(crate) fn app() -> App {
 
 fn app_of(published: Published, options: ViewOptions) -> App {
     let mut app = App::new(RenderLink::fixed(published), options, || {});
-    app.gallery.keep_still();
+    app.shell.gallery.keep_still();
     let description = builtin("furnace").expect("a built-in scene");
     let description = description.load().expect("a scene as it comes");
     app.take_scene("furnace".to_owned(), Arc::new(Scene::build(&description)));

@@ -6,6 +6,7 @@ use std::fs;
 
 use neumann_core::memory::free_bytes;
 use neumann_core::render::RenderSettings;
+use neumann_picture::files::film_bytes;
 
 use crate::failure::{Outcome, bad_input};
 
@@ -19,7 +20,7 @@ pub(crate) fn check_film(width: usize, height: usize, n_layers: usize) -> Outcom
     let Some(available) = free_bytes() else {
         return Ok(());
     };
-    let needed = needed_bytes(width, height, n_layers);
+    let needed = film_bytes(width, height, n_layers);
     if needed <= available {
         return Ok(());
     }
@@ -34,13 +35,6 @@ pub(crate) fn check_film(width: usize, height: usize, n_layers: usize) -> Outcom
 /// The largest amount of memory the program has had so far.
 pub(crate) fn peak_bytes() -> Option<u64> {
     field("/proc/self/status", "VmHWM:")
-}
-
-/// Two films in turn, and the planes of a file, three floats a pixel each; features beside them.
-fn needed_bytes(width: usize, height: usize, n_layers: usize) -> u64 {
-    let n_layers = n_layers as u64 + 1;
-    let planes = 2 * (n_layers + 2) + (n_layers + 3) + 5;
-    (width as u64 * height as u64).saturating_mul(planes * 12)
 }
 
 /// A line `name   number kB` of a file of the system, in bytes.

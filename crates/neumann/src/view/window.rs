@@ -1,15 +1,17 @@
 //! From the command line to the window.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use neumann_core::render::StopRule;
 use neumann_core::scene::SkyChoice;
+use neumann_picture::state::State;
 use neumann_viewer::{CameraOptions, EnvironmentOptions, Screenshot, ViewError, ViewOptions};
 
 use super::NoWindow;
 use crate::cli::ViewArguments;
-use crate::failure::{Outcome, bad_input};
+use crate::console;
+use crate::failure::{OrBadInput, Outcome, bad_input};
 use crate::options::Exposure;
 use crate::outputs;
 use crate::session::check_film;
@@ -40,26 +42,47 @@ fn no_window(error: ViewError) -> NoWindow {
 }
 
 pub(crate) fn run(arguments: &ViewArguments) -> Outcome {
-    check_scene(&arguments.scene)?;
+    arguments.scene.as_deref().map_or(Ok(()), check_scene)?;
+    let state = arguments.state.as_deref().map(read_state).transpose()?;
     if let Some(path) = &arguments.screenshot {
         if outputs::kind(path)? != outputs::Kind::Png {
             return Err(bad_input("--screenshot: use a name that ends in .png"));
         }
         let path = std::slice::from_ref(path);
         outputs::check(path)?;
-        outputs::refuse_inputs(path, [&PathBuf::from(&arguments.scene)])?;
+        let scene = arguments
+            .scene
+            .as_ref()
+            .or(state.as_ref().map(|s| &s.scene));
+        let inputs = scene.map(PathBuf::from);
+        outputs::refuse_inputs(path, inputs.iter().chain(&arguments.state))?;
         let sky = arguments.settings.environment.env.as_ref();
         outputs::refuse_inputs(path, sky.and_then(SkyChoice::file))?;
     }
     if let Some((width, height)) = arguments.settings.size {
-        check_film(width, height, arguments.settings.layers as usize)?;
+        let layers = state.as_ref().map(|state| state.layers);
+        let layers = layers.unwrap_or(arguments.settings.layers as usize);
+        check_film(width, height, layers)?;
     }
-    neumann_viewer::run(options(arguments)?).map_err(|error| match no_window(error) {
+    let options = ViewOptions {
+        state: state.map(Box::new),
+        ..options(arguments)?
+    };
+    neumann_viewer::run(options).map_err(|error| match no_window(error) {
         NoWindow::Impossible(what) => {
             anyhow!("{what}, or use 'neumann render' or 'neumann series'")
         }
         NoWindow::Failed(error) => error,
     })
+}
+
+/// Reads a state; what is odd about it is told.
+fn read_state(path: &Path) -> Outcome<State> {
+    let (state, warnings) = State::read(path).or_bad_input()?;
+    for warning in warnings {
+        console::note(&format!("warning: {warning}"));
+    }
+    Ok(state)
 }
 
 fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
@@ -88,7 +111,8 @@ fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
         }),
     };
     Ok(ViewOptions {
-        scene: arguments.scene.clone(),
+        scene: arguments.scene.clone().unwrap_or_default(),
+        state: None,
         integrator: Some(settings.integrator.clone()),
         set: settings.set.clone(),
         camera: CameraOptions {
@@ -111,7 +135,7 @@ fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
         seed: Some(settings.seed),
         size: settings.size,
         stop,
-        view: arguments.view,
+        part: arguments.view,
         exposure: match arguments.display.exposure {
             None => neumann_viewer::Exposure::ForScene,
             Some(Exposure::Stops(stops)) => neumann_viewer::Exposure::Stops(stops),

@@ -30,6 +30,7 @@ fn provide(folder: &Folder, name: &str) {
                 "render cornell --size 16x16 --iterations 1 -o {name}"
             ));
         }
+        Some("json") => fs::write(path, r#"{"scene": "cornell"}"#).unwrap(),
         _ => panic!("{name}: this test does not know how to make such a file"),
     }
 }
@@ -190,7 +191,7 @@ fn try_one(folder: &Folder, origin: &str, mut line: Vec<String>) {
     }
     let is_output = |i: usize| i > 0 && ["-o", "--output", "--screenshot"].contains(&&*line[i - 1]);
     for (i, word) in line.iter().enumerate() {
-        let is_file = [".exr", ".png", ".hdr", ".gltf", ".glb"]
+        let is_file = [".exr", ".png", ".hdr", ".gltf", ".glb", ".json"]
             .iter()
             .any(|ending| word.ends_with(ending));
         if is_file && !is_output(i) {

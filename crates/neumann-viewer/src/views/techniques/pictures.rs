@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 use neumann_core::film::{Strategy, TechniqueFilm, TechniqueImage};
+use neumann_picture::png_file::Pixels8;
 use neumann_picture::tone::{Display, ToneCurve};
 
 /// A technique with its share of the energy and its picture.
@@ -71,26 +72,17 @@ impl Tile {
     }
 
     fn make(&mut self, ctx: &Context, film: &TechniqueFilm, wanted: Made) {
-        let pixels = film.image(self.strategy, wanted.image);
-        let size = [film.width(), film.height()];
-        if pixels.len() != size[0] * size[1] {
+        let display = Display {
+            exposure_ev: wanted.display.0,
+            tone: wanted.display.1,
+        };
+        let pixels = pixels(film, self.strategy, wanted.image, display);
+        let size = [pixels.width, pixels.height];
+        if pixels.pixels.len() != size[0] * size[1] {
             return;
         }
-        let display = match wanted.image {
-            // A weight is what it is: 0 black, 1 white.
-            TechniqueImage::Weight => Display {
-                exposure_ev: 0.0,
-                tone: ToneCurve::None,
-            },
-            TechniqueImage::Raw | TechniqueImage::Weighted => Display {
-                exposure_ev: wanted.display.0,
-                tone: wanted.display.1,
-            },
-        };
-        let coded = pixels.into_iter().map(|radiance| {
-            let [r, g, b] = display.srgb8(radiance);
-            Color32::from_rgb(r, g, b)
-        });
+        let coded = pixels.pixels.into_iter();
+        let coded = coded.map(|[r, g, b]| Color32::from_rgb(r, g, b));
         let image = ColorImage::new(size, coded.collect());
         match &mut self.texture {
             Some(texture) => texture.set(image, TextureOptions::LINEAR),
@@ -100,5 +92,28 @@ impl Tile {
             }
         }
         self.made = Some(wanted);
+    }
+}
+
+/// A technique as it is shown.
+pub(super) fn pixels(
+    film: &TechniqueFilm,
+    strategy: Strategy,
+    image: TechniqueImage,
+    display: Display,
+) -> Pixels8 {
+    let display = match image {
+        // A weight is what it is: 0 black, 1 white.
+        TechniqueImage::Weight => Display {
+            exposure_ev: 0.0,
+            tone: ToneCurve::None,
+        },
+        TechniqueImage::Raw | TechniqueImage::Weighted => display,
+    };
+    let pixels = film.image(strategy, image).into_iter();
+    Pixels8 {
+        width: film.width(),
+        height: film.height(),
+        pixels: pixels.map(|radiance| display.srgb8(radiance)).collect(),
     }
 }

@@ -6,14 +6,13 @@ use egui::{
     Align2, Color32, FontId, Galley, Painter, Pos2, Rect, Response, Role, ScrollArea, Sense,
     Stroke, StrokeKind, TextureId, Ui, UiBuilder, Vec2, WidgetInfo, pos2,
 };
-use neumann_core::film::{Joint, Strategy, TechniqueFilm, TechniqueImage, View};
+use neumann_core::film::{Joint, Strategy, TechniqueFilm, TechniqueImage, View as Part};
 
 use super::pictures::{Allowance, Made, Tile};
 use super::{TechniqueView, description, label};
-use crate::app::App;
 use crate::display::{ViewSettings, ground};
 use crate::formula::Formula;
-use crate::stage;
+use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{focus_ring, segmented, segmented_width};
 
@@ -27,17 +26,22 @@ const LABEL: f32 = 18.0;
 const MERGE_GAP: f32 = 2.0 * GRID;
 
 /// Draws the view into `rect`.
-pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
+pub(super) fn show(
+    ui: &mut Ui,
+    rect: Rect,
+    view: &mut TechniqueView,
+    session: &Session,
+    settings: &ViewSettings,
+) {
     let p = Palette::of(ui);
     ground::fill(ui, rect, p.ground);
     let head = Rect::from_min_size(rect.min, Vec2::new(rect.width(), HEAD));
-    let view = &mut app.techniques;
     head_line(ui, head, view, &p);
     let below = Rect::from_min_max(pos2(rect.left(), head.bottom()), rect.max);
     let Some(film) = view.film.clone() else {
-        let text = if app.link.is_paused() {
+        let text = if session.link.is_paused() {
             "paused: nothing is recorded until rendering goes on"
-        } else if app.picture.stats.is_done {
+        } else if session.picture.stats.is_done {
             "done: begin again (R) to record"
         } else {
             "recording …"
@@ -48,9 +52,9 @@ pub fn show(ui: &mut Ui, rect: Rect, app: &mut App) {
         return;
     };
     if let Some(strategy) = view.enlarged {
-        enlarged(ui, below, view, &film, &app.viewing, strategy);
+        enlarged(ui, below, view, &film, settings, strategy);
     } else {
-        pyramid(ui, below, view, &film, &app.viewing);
+        pyramid(ui, below, view, &film, settings);
     }
 }
 
@@ -161,7 +165,7 @@ fn pyramid(
             for (place, (k, row)) in rows.enumerate() {
                 let top = content.top() + place as f32 * layout.pitch.y;
                 let at = pos2(rect.left() + 2.0 * GRID, top + 0.5 * layout.image.y - 10.0);
-                Formula::name(&names, View::Term(k), theme::BODY, p.text).paint(&names, at);
+                Formula::name(&names, Part::Term(k), theme::BODY, p.text).paint(&names, at);
                 let is_merge = |s: Strategy| s.joint == Joint::Merge;
                 let has_merges = row.iter().any(|tile| is_merge(tile.strategy));
                 let gap = if has_merges { MERGE_GAP } else { 0.0 };
@@ -255,7 +259,7 @@ fn share_text(share: f64) -> String {
 fn chip(painter: &Painter, corner: Pos2, share: f64, p: &Palette) {
     let galley = painter.layout_no_wrap(share_text(share), theme::small(), p.text);
     let spot = Rect::from_min_max(corner - galley.size() - Vec2::new(8.0, 2.0), corner);
-    painter.rect_filled(spot, 3, stage::plate(p));
+    painter.rect_filled(spot, 3, theme::plate(p));
     painter.galley(spot.min + Vec2::new(4.0, 1.0), galley, p.text);
 }
 
@@ -303,7 +307,7 @@ fn enlarged(
     let width = galleys.iter().map(|g| g.size().x).fold(0.0, f32::max);
     let height = galleys.iter().map(|g| g.size().y).sum();
     let spot = Rect::from_min_size(at, Vec2::new(width, height));
-    painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, stage::plate(&p));
+    painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, theme::plate(&p));
     let mut y = at.y;
     for galley in galleys {
         let next = y + galley.size().y;

@@ -1,0 +1,270 @@
+//! All that a person has chosen, as one structure: scene, camera, method, view, exposure, edits.
+//!
+//! A state file is this as JSON. Whoever opens it sees what was seen when it was saved: numbers
+//! come back bit by bit ([`Exact`]). Fields that are left out have their usual value, so that a
+//! file may be written by hand; those that nobody knows are ignored and told. What is measured (the
+//! film, its iterations) is no part of it.
+
+mod check;
+mod file;
+mod number;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use neumann_core::film::DEFAULT_LAYERS;
+use neumann_core::integrator::DEFAULT_METHOD;
+use serde::{Deserialize, Serialize};
+
+pub use file::StateError;
+pub use number::Exact;
+
+/// All that a person has chosen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct State {
+    /// Version of the program that wrote it.
+    pub neumann: String,
+    /// Name of a built-in scene, or a path, which may be relative to the state's own folder.
+    pub scene: String,
+    /// The camera; the file's first one where there is none.
+    pub camera: Option<CameraState>,
+    /// Id of the method.
+    pub method: String,
+    /// Its parameters, as `--set` takes them; those that are left out have their default.
+    pub parameters: BTreeMap<String, String>,
+    /// Terms with `k` up to and including this one are computed.
+    pub max_bounces: u32,
+    /// Bounce layers kept apart.
+    pub layers: usize,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Width and height of the film; it follows the window where there is none.
+    pub size: Option<[usize; 2]>,
+    /// When rendering is done.
+    pub stop: Stop,
+    /// Id of what stands on the stage: `picture`, `techniques`.
+    pub view: String,
+    /// Part of the series: `L`, `T0`, `upto:3`, `tail`.
+    pub part: String,
+    /// How bright radiance is shown.
+    pub exposure: ExposureState,
+    /// Tone curve.
+    pub tone: String,
+    /// Luminance as colours.
+    pub false_colour: FalseColourState,
+    /// A part of the picture, magnified; the whole of it where there is none.
+    pub magnified: Option<Magnified>,
+    /// Light from infinitely far away.
+    pub environment: EnvironmentState,
+    /// What the camera makes of backs: `solid`, `see-through`.
+    pub backs: String,
+    /// What is other than in the scene's file.
+    pub edits: Edits,
+}
+
+/// A camera, all of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraState {
+    /// Number of the file's camera that it began as.
+    #[serde(default)]
+    pub of_file: usize,
+    /// From camera space to world space, column by column.
+    pub world_from_camera: [Exact; 16],
+    /// Width over height that the file asks for.
+    #[serde(default)]
+    pub aspect_ratio: Option<Exact>,
+    /// Projection.
+    pub projection: ProjectionState,
+    /// Lens; a pinhole where there is none.
+    #[serde(default)]
+    pub lens: Option<LensState>,
+    /// What it orbits, metres.
+    pub target: [Exact; 3],
+    /// What is up for it.
+    pub up: [Exact; 3],
+}
+
+/// How a camera maps directions to the film.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ProjectionState {
+    /// Vertical angle of view, radians.
+    Perspective {
+        /// The angle.
+        yfov: Exact,
+    },
+    /// Half the height of the view, metres.
+    Orthographic {
+        /// Half the height.
+        ymag: Exact,
+    },
+}
+
+/// A thin lens.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LensState {
+    /// Diameter of the opening, metres.
+    pub aperture: Exact,
+    /// Distance of what is sharp, metres.
+    pub focus_distance: Exact,
+}
+
+/// When rendering is done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stop {
+    /// Never.
+    #[default]
+    Never,
+    /// After so many iterations.
+    Iterations(u32),
+    /// After so much time of rendering.
+    Seconds(f64),
+}
+
+/// How bright radiance is shown.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ExposureState {
+    /// Multiplied by 2 to this power.
+    pub stops: Exact,
+    /// It follows the picture.
+    pub is_automatic: bool,
+}
+
+/// Luminance as colours.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FalseColourState {
+    /// Colours stand in place of the picture.
+    pub is_on: bool,
+    /// Which colours.
+    pub colours: String,
+    /// Stops that they span.
+    pub stops: Exact,
+}
+
+/// A part of the picture, magnified.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Magnified {
+    /// Physical pixels per pixel of the film.
+    pub zoom: Exact,
+    /// What is in the middle, as a share of width and height.
+    pub center: [Exact; 2],
+}
+
+/// Light from infinitely far away.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct EnvironmentState {
+    /// `own` for the scene's, `none`, the name of a built-in sky, or the path of a map.
+    pub sky: String,
+    /// Turn about the vertical, radians; as the sky has it where there is none.
+    pub rotation: Option<Exact>,
+    /// It shines.
+    pub is_on: bool,
+    /// Factor on it.
+    pub brightness: Exact,
+}
+
+/// What is other than in the scene's file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Edits {
+    /// Materials that look different.
+    pub materials: Vec<MaterialEdit>,
+    /// Materials that shine otherwise.
+    pub emitters: Vec<LevelEdit>,
+    /// Punctual lights that shine otherwise.
+    pub lights: Vec<LevelEdit>,
+}
+
+/// A material that looks different.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MaterialEdit {
+    /// Its number in the file.
+    pub index: usize,
+    /// Its name in the file.
+    pub name: String,
+    /// Linear base colour.
+    pub base_color: [Exact; 3],
+    /// Perceptual roughness.
+    pub roughness: Exact,
+    /// 0 dielectric, 1 metal.
+    pub metallic: Exact,
+    /// Strength of the dielectric's reflection.
+    pub specular: Exact,
+    /// Share of light that passes.
+    pub transmission: Exact,
+    /// Index of refraction.
+    pub ior: Exact,
+    /// Radiance, W m⁻² sr⁻¹.
+    pub emission: [Exact; 3],
+}
+
+/// A light that shines otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LevelEdit {
+    /// Its number in the file.
+    pub index: usize,
+    /// Its name in the file.
+    pub name: String,
+    /// It shines.
+    pub is_on: bool,
+    /// Factor on what the file says.
+    pub brightness: Exact,
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            neumann: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: String::new(),
+            camera: None,
+            method: DEFAULT_METHOD.to_owned(),
+            parameters: BTreeMap::new(),
+            max_bounces: 16,
+            layers: DEFAULT_LAYERS,
+            seed: 0,
+            size: None,
+            stop: Stop::Never,
+            view: "picture".to_owned(),
+            part: "L".to_owned(),
+            exposure: ExposureState::default(),
+            tone: "none".to_owned(),
+            false_colour: FalseColourState::default(),
+            magnified: None,
+            environment: EnvironmentState::default(),
+            backs: "solid".to_owned(),
+            edits: Edits::default(),
+        }
+    }
+}
+
+impl Default for FalseColourState {
+    fn default() -> Self {
+        Self {
+            is_on: false,
+            colours: "viridis".to_owned(),
+            stops: Exact(10.0),
+        }
+    }
+}
+
+impl Default for EnvironmentState {
+    fn default() -> Self {
+        Self {
+            sky: Self::OWN.to_owned(),
+            rotation: None,
+            is_on: true,
+            brightness: Exact(1.0),
+        }
+    }
+}
+
+impl EnvironmentState {
+    /// The word for the sky that the scene has by itself.
+    pub const OWN: &'static str = "own";
+}

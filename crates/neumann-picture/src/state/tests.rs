@@ -1,0 +1,167 @@
+//! States go to a file and come back; what is wrong with a file is told.
+
+use super::{CameraState, Exact, LensState, LevelEdit, MaterialEdit, ProjectionState, State, Stop};
+use crate::files::tests::TestFolder;
+
+fn full() -> State {
+    let mut state = State {
+        scene: "cornell".to_owned(),
+        camera: Some(CameraState {
+            of_file: 0,
+            world_from_camera: Exact::all([0.1; 16]),
+            aspect_ratio: Some(Exact(1.5)),
+            projection: ProjectionState::Perspective { yfov: Exact(0.7) },
+            lens: Some(LensState {
+                aperture: Exact(0.03),
+                focus_distance: Exact(2.0),
+            }),
+            target: Exact::all([1.0, 1.0 / 3.0, -1e-7]),
+            up: Exact::all([0.0, 1.0, 0.0]),
+        }),
+        size: Some([64, 48]),
+        stop: Stop::Seconds(0.1),
+        ..State::default()
+    };
+    state
+        .parameters
+        .insert("roulette-start".to_owned(), "5".to_owned());
+    state.edits.materials.push(MaterialEdit {
+        index: 2,
+        name: "red".to_owned(),
+        base_color: Exact::all([0.1, 0.2, 0.3]),
+        roughness: Exact(0.4),
+        metallic: Exact(0.0),
+        specular: Exact(1.0),
+        transmission: Exact(0.0),
+        ior: Exact(1.5),
+        emission: Exact::all([0.0; 3]),
+    });
+    state.edits.lights.push(LevelEdit {
+        index: 0,
+        name: "sun".to_owned(),
+        is_on: false,
+        brightness: Exact(2.0),
+    });
+    state
+}
+
+#[test]
+fn a_state_comes_back_from_its_file() {
+    let folder = TestFolder::new();
+    let path = folder.join("a.json");
+    let mut state = full();
+    state.parameters.clear();
+    state.write(&path).unwrap();
+    assert_eq!(State::read(&path).unwrap(), (state, Vec::new()));
+}
+
+#[test]
+fn what_is_left_out_is_as_usual() {
+    let (state, warnings) = State::parse(r#"{"scene": "cornell"}"#).unwrap();
+    let usual = State {
+        scene: "cornell".to_owned(),
+        ..State::default()
+    };
+    assert_eq!((state, warnings.len()), (usual, 0));
+}
+
+#[test]
+fn what_nobody_knows_is_ignored_and_told() {
+    let text = r#"{"scene": "cornell", "shine": 1, "exposure": {"stops": 1, "iso": 100},
+        "parameters": {"no-such": "1"}}"#;
+    let (state, warnings) = State::parse(text).unwrap();
+    assert_eq!(state.exposure.stops, Exact(1.0));
+    for field in ["shine", "exposure.iso", "parameters.no-such"] {
+        let is_told = |w: &String| w.starts_with(&format!("{field}: "));
+        assert!(warnings.iter().any(is_told), "{field}: {warnings:?}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_told_with_its_field() {
+    for (text, field) in [
+        (r#"{"scene": 1}"#, "scene"),
+        (r#"{}"#, "scene"),
+        (r#"{"scene": "cornell", "method": "best"}"#, "method"),
+        (r#"{"scene": "cornell", "layers": 0}"#, "layers"),
+        (r#"{"scene": "cornell", "layers": -1}"#, "layers"),
+        (r#"{"scene": "cornell", "part": "T"}"#, "part"),
+        (
+            r#"{"scene": "cornell", "exposure": {"stops": 1e9}}"#,
+            "exposure.stops",
+        ),
+        (r#"{"scene": "cornell", "size": [0, 5]}"#, "size[0]"),
+        (r#"{"scene": "cornell", "stop": {"seconds": -1}}"#, "stop"),
+        (
+            r#"{"scene": "cornell", "edits": {"lights": [{"index": 0}]}}"#,
+            "edits.lights[0]",
+        ),
+        (r#"{"scene": "cornell", "size": [3"#, "size"),
+        ("", ""),
+        ("[]", ""),
+        ("\u{0}", ""),
+        (r#"{"scene": "cornell"} more"#, ""),
+    ] {
+        let (found, what) = State::parse(text).unwrap_err();
+        assert!(found.starts_with(field), "{text}: {found}: {what}");
+        assert!(
+            what.contains("; ") || what.contains("use "),
+            "{text}: {what}"
+        );
+    }
+}
+
+#[test]
+fn every_prefix_of_a_state_is_refused_and_none_panics() {
+    let text = full().to_text();
+    let text = text.trim_end();
+    for end in (0..text.len()).filter(|end| text.is_char_boundary(*end)) {
+        assert!(State::parse(&text[..end]).is_err(), "{end}");
+    }
+}
+
+#[test]
+fn damaged_states_are_read_or_refused_and_none_panics() {
+    let text = full().to_text();
+    let pieces = [
+        "-", "9", "e", "\"", "[", "{", "null", ",", "1e999", "\u{fffd}", "",
+    ];
+    let ends: Vec<usize> = (0..=text.len())
+        .filter(|i| text.is_char_boundary(*i))
+        .collect();
+    let mut n_read = 0;
+    for i in 0..20_000usize {
+        let place = |k: usize| ends[i.wrapping_mul(k) % ends.len()];
+        let (from, to) = (place(2_654_435_761), place(40_503));
+        let (from, to) = (from.min(to), from.max(to).min(from.min(to) + i % 7));
+        let to = (to..text.len())
+            .find(|i| text.is_char_boundary(*i))
+            .unwrap_or(text.len());
+        let damaged = text[..from].to_owned() + pieces[i % pieces.len()] + &text[to..];
+        n_read += usize::from(State::parse(&damaged).is_ok());
+    }
+    assert!(n_read > 100, "{n_read}");
+}
+
+#[test]
+fn a_missing_scene_is_one_clear_error() {
+    let folder = TestFolder::new();
+    let path = folder.join("a.json");
+    std::fs::write(&path, r#"{"scene": "rooms/none.glb"}"#).unwrap();
+    let error = State::read(&path).unwrap_err();
+    assert_eq!(error.field, "scene");
+    let text = error.to_string();
+    assert!(
+        text.contains("a.json") && text.contains("rooms/none.glb"),
+        "{text}"
+    );
+    // A path is taken from the folder of the state.
+    std::fs::create_dir(folder.join("rooms")).unwrap();
+    std::fs::write(folder.join("rooms/none.glb"), "").unwrap();
+    let (state, _) = State::read(&path).unwrap();
+    assert_eq!(
+        state.scene,
+        folder.join("rooms/none.glb").display().to_string()
+    );
+    assert!(State::read(&folder.join("b.json")).is_err());
+}

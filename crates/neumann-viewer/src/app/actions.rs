@@ -1,0 +1,176 @@
+//! What keys and buttons do.
+
+use egui::{Context, FocusDirection, Theme};
+use neumann_core::film::View as Part;
+use neumann_core::integrator::METHODS;
+use neumann_picture::tone::ToneCurve;
+
+use super::App;
+use crate::display::image_area;
+use crate::keys::Action;
+use crate::panels::Page;
+use crate::save;
+use crate::scene_source::Wanted;
+use crate::shell::WindowRequest;
+
+impl App {
+    /// Does what a key or a button asks for.
+    pub fn perform(&mut self, ctx: &Context, action: Action) {
+        let n_layers = self.session.setup.n_layers;
+        match action {
+            Action::Term(k) if k < n_layers => self.viewing.settings.part = Part::Term(k),
+            Action::Term(_) => self.viewing.settings.part = Part::Tail,
+            Action::Upto(k) if k < n_layers => self.viewing.settings.part = Part::Upto(k),
+            Action::Upto(_) | Action::Total => self.viewing.settings.part = Part::Total,
+            Action::Step(step) => {
+                let (is_sum, place) = self.viewing.settings.place(n_layers);
+                let place = place as i64 + i64::from(step);
+                let place = place.clamp(0, n_layers as i64) as usize;
+                self.viewing.settings.choose(is_sum, place, n_layers);
+            }
+            Action::Row(is_up) => {
+                let (_, place) = self.viewing.settings.place(n_layers);
+                self.viewing.settings.choose(!is_up, place, n_layers);
+            }
+            Action::Method(step) => {
+                let n = METHODS.len() as i64;
+                let index = (self.session.setup.method as i64 + i64::from(step)).rem_euclid(n);
+                self.session.setup.choose_method(index as usize);
+            }
+            Action::Pause => {
+                let is_paused = self.session.link.is_paused();
+                self.session.link.pause(!is_paused);
+            }
+            Action::Restart => self.session.setup.is_changed = true,
+            Action::FrameAll | Action::ResetCamera => self.move_camera(action),
+            Action::Open => {
+                self.shell.is_bare = false;
+                self.shell.page = Page::Scene;
+                self.shell.background.choose(Wanted::Scene);
+            }
+            Action::SavePng => save::png(&self.session, &self.viewing, &mut self.shell),
+            Action::SaveExr => save::exr(&self.session, &self.viewing, &mut self.shell),
+            Action::SaveState => save::state(&self.session, &self.viewing, &mut self.shell),
+            Action::SaveSheet => {
+                save::sheet(&self.session, &self.viewing.settings, &mut self.shell);
+            }
+            Action::Copy => save::copy(ctx, &self.session, &self.viewing, &mut self.shell),
+            Action::Panels => self.shell.is_bare = !self.shell.is_bare,
+            Action::Panel(i) => {
+                self.shell.is_bare = false;
+                self.shell.page = Page::ALL[i.min(Page::ALL.len() - 1)];
+            }
+            Action::Controls => ctx.memory_mut(|m| m.move_focus(FocusDirection::Next)),
+            Action::Theme => {
+                let is_dark = ctx.theme() == Theme::Dark;
+                ctx.set_theme(if is_dark { Theme::Light } else { Theme::Dark });
+            }
+            Action::View(id) => self.toggle_view(id),
+            Action::Help => self.shell.is_help_open = !self.shell.is_help_open,
+            Action::Fullscreen => self.shell.requests.push(WindowRequest::Fullscreen),
+            Action::Escape => self.escape(ctx),
+            Action::Quit => self.shell.requests.push(WindowRequest::Quit),
+            _ => self.change_display(action),
+        }
+    }
+
+    /// Shows a view, or goes back to the picture.
+    fn toggle_view(&mut self, id: &str) {
+        let viewing = &mut self.viewing;
+        let setup = &self.session.setup;
+        if let Err(refusal) = viewing.views.toggle(id, setup, &viewing.settings) {
+            self.shell.notices.failure(refusal);
+        }
+    }
+
+    fn move_camera(&mut self, action: Action) {
+        let (w, h) = self.session.setup.size;
+        let Some(control) = &mut self.session.setup.camera else {
+            return;
+        };
+        if action == Action::FrameAll {
+            control.frame_all(w.max(1) as f32 / h.max(1) as f32);
+        } else {
+            control.reset();
+        }
+        self.session.setup.is_changed = true;
+    }
+
+    fn change_display(&mut self, action: Action) {
+        let viewing = &mut self.viewing.settings;
+        match action {
+            Action::Exposure(thirds) => {
+                viewing.is_auto = false;
+                viewing.exposure_ev =
+                    (viewing.exposure_ev + thirds as f32 / 3.0).clamp(-24.0, 24.0);
+            }
+            Action::AutoExposure => {
+                viewing.is_auto = !viewing.is_auto;
+                if viewing.is_auto {
+                    viewing.exposure_ev = self.session.picture.auto_exposure(viewing.part);
+                }
+            }
+            Action::Tone(step) => {
+                let n = ToneCurve::ALL.len() as i64;
+                let now = ToneCurve::ALL.iter().position(|t| *t == viewing.tone);
+                let next = (now.unwrap_or(0) as i64 + i64::from(step)).rem_euclid(n);
+                viewing.tone = ToneCurve::ALL[next as usize];
+            }
+            Action::FalseColour => viewing.is_false_colour = !viewing.is_false_colour,
+            Action::Zoom(steps) => {
+                if let Some(placement) = &self.viewing.placement {
+                    let middle = viewing.center;
+                    image_area::zoom(viewing, placement, (steps as f32).exp2(), middle);
+                }
+            }
+            Action::ZoomFit => {
+                viewing.zoom = None;
+                viewing.center = [0.5, 0.5];
+            }
+            Action::HoldA => self.session.hold(0, viewing.part),
+            Action::HoldB => self.session.hold(1, viewing.part),
+            Action::Wipe => {
+                if self.session.picture.held[0].is_none() {
+                    self.session.hold(0, viewing.part);
+                }
+                viewing.is_wiping = !viewing.is_wiping;
+                viewing.is_difference = false;
+            }
+            Action::Difference => {
+                if self.session.picture.reference.is_some() {
+                    viewing.is_difference = !viewing.is_difference;
+                    viewing.is_wiping = false;
+                } else {
+                    self.shell.page = Page::Display;
+                    let text =
+                        "No reference to hold the picture against; load one on the page Display";
+                    self.shell.notices.failure(text);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Closes the uppermost thing over the picture.
+    fn escape(&mut self, ctx: &Context) {
+        if self.shell.had_focus {
+            if let Some(id) = ctx.memory(|m| m.focused()) {
+                ctx.memory_mut(|m| m.surrender_focus(id));
+            }
+        } else if self.shell.is_help_open {
+            self.shell.is_help_open = false;
+        } else if self.shell.is_menu_open {
+            self.shell.is_menu_open = false;
+        } else if self.shell.notices.close_newest() || self.viewing.views.step_back() {
+            // That was it.
+        } else if self.viewing.settings.is_wiping || self.viewing.settings.is_difference {
+            self.viewing.settings.is_wiping = false;
+            self.viewing.settings.is_difference = false;
+        } else if self.viewing.settings.zoom.is_some() {
+            self.viewing.settings.zoom = None;
+            self.viewing.settings.center = [0.5, 0.5];
+        } else {
+            self.shell.is_bare = false;
+        }
+    }
+}

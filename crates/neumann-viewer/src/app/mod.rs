@@ -1,0 +1,235 @@
+//! The window's state, and one frame of it: shared by the window, screenshots and tests.
+//!
+//! A [`Session`] is what is rendered, [`Viewing`] how it is looked at, and the [`Shell`] what
+//! stands around it. Panels and views take of these what they need.
+
+mod actions;
+mod opening;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use egui::{Context, Rect, Ui, pos2};
+use neumann_core::scene::OpeningProgress;
+use neumann_picture::state::{EnvironmentState, State};
+
+use crate::display::ViewSettings;
+use crate::keys;
+use crate::options::{Exposure, ViewOptions};
+use crate::render_link::RenderLink;
+use crate::session::Session;
+use crate::setup::Setup;
+use crate::shell::{Command, Shell};
+use crate::status::{self, Status};
+use crate::viewing::Viewing;
+use crate::views::{self, Stage};
+use crate::{filmstrip, flight, help, panels, theme, top_bar};
+
+/// All state of the window.
+pub struct App {
+    /// What is rendered, and the film of it.
+    pub session: Session,
+    /// How it is looked at.
+    pub viewing: Viewing,
+    /// What stands around it.
+    pub shell: Shell,
+    /// Most pixels of a film each way, which is what the graphics device can draw.
+    pub(crate) largest_side: usize,
+    options: ViewOptions,
+    is_first_scene: bool,
+    /// Exposure follows the picture because the scene is the user's own, not because anybody asked.
+    exposes_by_itself: bool,
+    loading: Option<Loading>,
+    /// Level and turn of a map that is still being read.
+    map_to_come: Option<EnvironmentState>,
+}
+
+/// How often the bar of a scene that is being opened is drawn anew.
+const PROGRESS_PERIOD: Duration = Duration::from_millis(50);
+
+/// A scene on its way.
+pub struct Loading {
+    /// What it was asked for by.
+    pub source: String,
+    /// How far it is.
+    pub progress: OpeningProgress,
+    /// Number of the request.
+    request: u64,
+    /// What is to be taken up when it is there.
+    state: Option<Box<State>>,
+}
+
+const TOP: f32 = 40.0;
+const STATUS: f32 = 24.0;
+const PANEL: f32 = 272.0;
+
+impl App {
+    /// A window on what `link` renders. `wake` asks for a frame, from any thread.
+    #[must_use]
+    pub fn new(
+        link: RenderLink,
+        options: ViewOptions,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        let (setup, complaints) = Setup::new(&options);
+        let mut shell = Shell::new(Arc::new(wake));
+        for complaint in complaints {
+            shell.notices.failure(complaint);
+        }
+        let settings = ViewSettings {
+            part: options.part,
+            exposure_ev: match options.exposure {
+                Exposure::Stops(stops) => stops,
+                _ => 0.0,
+            },
+            is_auto: options.exposure == Exposure::Auto,
+            tone: options.tone,
+            ..ViewSettings::default()
+        };
+        let is_debounced = options.screenshot.is_none();
+        Self {
+            session: Session::new(setup, link, is_debounced),
+            viewing: Viewing {
+                settings,
+                ..Viewing::default()
+            },
+            shell,
+            largest_side: 8192,
+            options,
+            is_first_scene: true,
+            exposes_by_itself: false,
+            loading: None,
+            map_to_come: None,
+        }
+    }
+
+    /// True while a scene is being opened.
+    #[must_use]
+    pub fn is_loading(&self) -> bool {
+        self.loading.is_some()
+    }
+
+    /// The scene that is being opened.
+    #[must_use]
+    pub fn loading(&self) -> Option<&Loading> {
+        self.loading.as_ref()
+    }
+
+    /// Draws one frame and acts on its input.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        if !theme::is_installed(&ctx) {
+            theme::install(&ctx);
+            ctx.request_repaint();
+            return;
+        }
+        self.take_arrivals(&ctx);
+        self.take_dropped_files(&ctx);
+        if self.is_loading() {
+            ctx.request_repaint_after(PROGRESS_PERIOD);
+        }
+        for action in keys::take_actions(&ctx) {
+            self.perform(&ctx, action);
+        }
+        flight::steer(&ctx, &mut self.session.setup);
+        let session = &mut self.session;
+        session
+            .picture
+            .refresh(&session.link, &mut self.viewing.settings);
+
+        let stage = if self.shell.is_bare {
+            ctx.content_rect()
+        } else {
+            self.surroundings(ui)
+        };
+        let room = stage.size() * ctx.pixels_per_point();
+        if let Some(rest) = self.session.follow_room(room) {
+            ctx.request_repaint_after(rest);
+        }
+        let viewing = &mut self.viewing;
+        viewing.views.attend(&mut self.session, &viewing.settings);
+        let mut stage_of_view = Stage {
+            rect: stage,
+            session: &mut self.session,
+            settings: &mut viewing.settings,
+            placement: &mut viewing.placement,
+            notices: &mut self.shell.notices,
+            opening: self.loading.as_ref().map(|l| &l.progress),
+        };
+        viewing.views.draw(ui, &mut stage_of_view);
+        if let Some(offer) = self.shell.notices.show(&ctx, stage) {
+            self.accept(offer);
+        }
+        if self.shell.is_help_open {
+            help::show(ui, &mut self.shell.is_help_open);
+        }
+        self.shell.had_focus = ctx.memory(|m| m.focused().is_some());
+        self.session.start_if_changed();
+    }
+
+    /// Draws bars, filmstrip and panel; yields what they leave for the picture.
+    fn surroundings(&mut self, ui: &mut Ui) -> Rect {
+        let window = ui.ctx().content_rect();
+        let top = Rect::from_min_max(window.min, pos2(window.right(), window.top() + TOP));
+        top_bar::show(ui, top, &mut self.session, &mut self.shell);
+        self.obey(ui.ctx());
+        let bottom = Rect::from_min_max(pos2(window.left(), window.bottom() - STATUS), window.max);
+        let strip_top = bottom.top() - filmstrip::height(window.size());
+        let strip = Rect::from_min_max(
+            pos2(window.left(), strip_top),
+            pos2(window.right(), bottom.top()),
+        );
+        let n_draws = filmstrip::show(
+            ui,
+            strip,
+            &self.session.picture,
+            &mut self.viewing.settings,
+            views::N_DRAWS,
+        );
+        debug_assert!(
+            n_draws <= crate::display::MAX_DRAWS,
+            "room for all draw calls"
+        );
+        let panel_width = if window.width() < 800.0 { 240.0 } else { PANEL };
+        let panel = Rect::from_min_max(
+            pos2(window.right() - panel_width, top.bottom()),
+            pos2(window.right(), strip.top()),
+        );
+        panels::show(
+            ui,
+            panel,
+            &mut self.session,
+            &mut self.viewing,
+            &mut self.shell,
+        );
+        self.obey(ui.ctx());
+        self.status_line(ui, bottom);
+        Rect::from_min_max(
+            pos2(window.left(), top.bottom()),
+            pos2(panel.left(), strip.top()),
+        )
+    }
+
+    /// Does what bars and panels have asked for.
+    fn obey(&mut self, ctx: &Context) {
+        for command in self.shell.take_commands() {
+            match command {
+                Command::Do(action) => self.perform(ctx, action),
+                Command::OpenScene(source) => self.open_path(source),
+            }
+        }
+    }
+
+    fn status_line(&self, ui: &mut Ui, rect: Rect) {
+        let session = &self.session;
+        let status = Status {
+            picture: &session.picture,
+            stop: session.setup.stop,
+            is_paused: session.link.is_paused(),
+            is_waiting: !session.is_current(),
+            opening: self.loading.as_ref().map(|l| &l.progress),
+            bias: session.bias(),
+        };
+        status::show(ui, rect, &status);
+    }
+}

@@ -1,0 +1,329 @@
+//! What comes into the window from outside: scenes, maps, references, dropped files.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::Context;
+use neumann_core::render::{StopRule, hidden_by_backs};
+use neumann_core::scene::builtin::builtin;
+use neumann_core::scene::load::{EnvironmentFile, LoadOptions};
+use neumann_core::scene::{Backs, Scene, SkyChoice};
+use neumann_picture::state::State;
+
+use super::{App, Loading};
+use crate::notices::Offer;
+use crate::options::Exposure;
+use crate::scene_source::{Arrival, Wanted};
+use crate::state;
+
+impl App {
+    /// Opens the scene that the command asked for, or takes up its state.
+    pub fn open_first_scene(&mut self) {
+        if let Some(state) = self.options.state.take() {
+            self.open_state(state);
+            return;
+        }
+        let source = if self.options.scene.is_empty() {
+            "cornell".to_owned()
+        } else {
+            self.options.scene.clone()
+        };
+        self.open_scene(source);
+    }
+
+    /// Opens a scene by name or path, or takes up the state in a file.
+    pub fn open_path(&mut self, source: String) {
+        let extension = Path::new(&source).extension();
+        if extension.is_none_or(|ending| !ending.eq_ignore_ascii_case("json")) {
+            self.open_scene(source);
+            return;
+        }
+        match State::read(Path::new(&source)) {
+            Ok((state, warnings)) => {
+                for warning in warnings {
+                    self.shell.notices.failure(warning);
+                }
+                self.shell.recent.add(&source);
+                self.open_state(Box::new(state));
+            }
+            Err(error) => self.shell.notices.failure(error.to_string()),
+        }
+    }
+
+    /// Begins to open a scene; the present one stays until it is there, and if it never is.
+    pub fn open_scene(&mut self, source: String) {
+        // What the command asks for is meant for the scene that it names.
+        let sky = self.options.environment.sky.clone();
+        let sky = sky.filter(|_| self.is_first_scene);
+        let backs = if self.is_first_scene {
+            self.options.backs
+        } else {
+            Backs::default()
+        };
+        self.begin(source, sky, backs, None);
+    }
+
+    /// Begins to open the scene of a state, which is taken up when it is there.
+    pub fn open_state(&mut self, state: Box<State>) {
+        let backs = Backs::named(&state.backs).unwrap_or_default();
+        self.begin(state.scene.clone(), state::sky(&state), backs, Some(state));
+    }
+
+    fn begin(
+        &mut self,
+        source: String,
+        sky: Option<SkyChoice>,
+        backs: Backs,
+        state: Option<Box<State>>,
+    ) {
+        let options = LoadOptions {
+            allow_outside: self.options.allow_outside,
+            allow_hidden: self.options.allow_hidden,
+            ..LoadOptions::default()
+        };
+        let background = &mut self.shell.background;
+        let (request, progress) = background.open_scene(source.clone(), sky, backs, options);
+        self.loading = Some(Loading {
+            source,
+            progress,
+            request,
+            state,
+        });
+    }
+
+    /// Takes over a scene that is ready.
+    pub fn take_scene(&mut self, source: String, scene: Arc<Scene>) {
+        self.take_scene_as(source, scene, None);
+    }
+
+    /// Takes over a scene that is ready, and the state that it was opened for.
+    fn take_scene_as(&mut self, source: String, scene: Arc<Scene>, state: Option<Box<State>>) {
+        let warnings = scene.warnings().to_vec();
+        if self.options.exposure == Exposure::ForScene {
+            self.expose_for(&source);
+        }
+        self.session.setup.take_scene(source, scene);
+        self.shell.material = None;
+        self.viewing.settings.zoom = None;
+        self.map_to_come = None;
+        let is_first = std::mem::take(&mut self.is_first_scene);
+        if let Some(state) = state {
+            self.take_up(&state, is_first);
+        } else if is_first {
+            self.take_options();
+        }
+        self.tell_warnings(&warnings);
+        self.tell_of_sky();
+        self.tell_of_backs();
+    }
+
+    /// Applies what the command said about its scene.
+    fn take_options(&mut self) {
+        let setup = &mut self.session.setup;
+        if let Some(complaint) = setup.apply_camera(&self.options.camera) {
+            self.shell.notices.failure(complaint);
+        }
+        match self.options.environment.sky.clone() {
+            Some(SkyChoice::File(file)) => self.shell.background.open_environment(file),
+            sky => setup.sky = sky,
+        }
+        setup.apply_environment(&self.options.environment);
+    }
+
+    /// Takes up a state, its scene being open; size and end may be those that the command said.
+    fn take_up(&mut self, state: &State, is_first: bool) {
+        let complaints = state::take_up(state, &mut self.session, &mut self.viewing);
+        for complaint in complaints {
+            self.shell.notices.failure(complaint);
+        }
+        self.exposes_by_itself = false;
+        let setup = &mut self.session.setup;
+        if is_first {
+            setup.fixed_size = self.options.size.or(setup.fixed_size);
+            if self.options.stop != StopRule::Never {
+                setup.stop = self.options.stop;
+            }
+        }
+        let largest = self.largest_side;
+        if let Some((w, h)) = setup.fixed_size.filter(|(w, h)| *w.max(h) > largest) {
+            setup.fixed_size = None;
+            self.shell.notices.failure(format!(
+                "The state's size {w}×{h} is more than the graphics device draws, {largest} pixels \
+                 each way; the film follows the window"
+            ));
+        }
+        match state::sky(state) {
+            Some(SkyChoice::File(file)) => {
+                self.map_to_come = Some(state.environment.clone());
+                self.shell.background.open_environment(file);
+            }
+            sky => setup.sky = sky,
+        }
+    }
+
+    /// Offers to take away a sky that was added.
+    fn tell_of_sky(&mut self) {
+        let Some(open) = &self.session.setup.open else {
+            return;
+        };
+        if open.scene.has_default_sky() {
+            // The last of the warnings says why.
+            let why = open.scene.warnings().last().map_or("", String::as_str);
+            self.shell
+                .notices
+                .offer(why, "Remove sky", Offer::RemoveSky);
+        }
+    }
+
+    /// Offers to look through backs that hide much of what the camera is to see.
+    fn tell_of_backs(&mut self) {
+        self.shell.notices.withdraw(Offer::LookThroughBacks);
+        let (Some(open), Some(control)) = (&self.session.setup.open, &self.session.setup.camera)
+        else {
+            return;
+        };
+        if let Some(share) = hidden_by_backs(&open.scene, control.camera()) {
+            let text = format!(
+                "Backs of single-sided surfaces hide {:.0} % of what the camera sees",
+                share * 100.0
+            );
+            let notices = &mut self.shell.notices;
+            notices.offer(text, "Look through", Offer::LookThroughBacks);
+        }
+    }
+
+    /// Whoever made a file had another program's exposure in mind; a built-in scene suits
+    /// exposure 0.
+    fn expose_for(&mut self, source: &str) {
+        if builtin(source).is_none() {
+            self.viewing.settings.is_auto = true;
+            self.exposes_by_itself = true;
+        } else if self.exposes_by_itself && self.viewing.settings.is_auto {
+            self.viewing.settings.is_auto = false;
+            self.viewing.settings.exposure_ev = 0.0;
+            self.exposes_by_itself = false;
+        }
+    }
+
+    /// Shows the first few warnings of a scene, and where the others are.
+    fn tell_warnings(&mut self, warnings: &[String]) {
+        const MOST: usize = 3;
+        let n_sky = usize::from(
+            self.session
+                .setup
+                .open
+                .as_ref()
+                .is_some_and(|o| o.scene.has_default_sky()),
+        );
+        let warnings = &warnings[..warnings.len() - n_sky];
+        if warnings.is_empty() {
+            return;
+        }
+        let mut text = warnings[..warnings.len().min(MOST)].join("\n");
+        if warnings.len() > MOST {
+            text += &format!(
+                "\nand {} more; see the end of the page Scene",
+                warnings.len() - MOST
+            );
+        }
+        self.shell.notices.failure(text);
+    }
+
+    /// Does what a notice offers.
+    pub(super) fn accept(&mut self, offer: Offer) {
+        match offer {
+            Offer::RemoveSky => self.session.setup.choose_sky(None),
+            Offer::LookThroughBacks => {
+                self.session.setup.choose_backs(Backs::SeeThrough);
+                // What was behind them may stand in the dark.
+                if self.session.setup.add_sky_where_dim() {
+                    self.tell_of_sky();
+                }
+            }
+        }
+    }
+
+    pub(super) fn take_arrivals(&mut self, ctx: &Context) {
+        for arrival in self.shell.background.arrivals() {
+            match arrival {
+                Arrival::Scene(request, result) => self.take_opened(request, result),
+                Arrival::Tree(tree) => {
+                    if let Some([scene, better]) = self.session.setup.take_tree(&tree) {
+                        self.session.link.improve_scene(&scene, &better);
+                    }
+                }
+                Arrival::Environment(path, Ok(file)) => self.take_map(ctx, path, file),
+                Arrival::Reference(path, Ok(image)) => {
+                    let size = (image.width, image.height);
+                    self.session
+                        .picture
+                        .set_reference(path, size, &image.pixels);
+                    self.viewing.settings.is_difference = true;
+                }
+                Arrival::Chosen(Wanted::Scene, path) => {
+                    self.open_path(path.display().to_string());
+                }
+                Arrival::Chosen(Wanted::Environment, path) => {
+                    self.shell.background.open_environment(path);
+                }
+                Arrival::Chosen(Wanted::Reference, path) => {
+                    self.shell.background.open_reference(path);
+                }
+                Arrival::Saved(Ok(text)) => self.shell.notices.remark(ctx, text),
+                Arrival::Environment(_, Err(error))
+                | Arrival::Reference(_, Err(error))
+                | Arrival::Saved(Err(error)) => self.shell.notices.failure(error),
+            }
+        }
+    }
+
+    fn take_map(&mut self, ctx: &Context, path: PathBuf, file: EnvironmentFile) {
+        for warning in file.warnings {
+            self.shell.notices.remark(ctx, warning);
+        }
+        let setup = &mut self.session.setup;
+        setup.take_map(path, file.environment);
+        setup.apply_environment(&self.options.environment);
+        if let (Some(state), Some(open)) = (self.map_to_come.take(), &setup.open) {
+            let mut appearance = open.scene.appearance().clone();
+            state::take_environment(&state, &mut appearance);
+            setup.dress(appearance);
+        }
+    }
+
+    fn take_opened(&mut self, request: u64, result: Result<Arc<Scene>, String>) {
+        // Of several opened in haste, the last one asked for counts.
+        let is_wanted = |loading: &mut Loading| loading.request == request;
+        let Some(Loading { source, state, .. }) = self.loading.take_if(is_wanted) else {
+            return;
+        };
+        match result {
+            Ok(scene) => {
+                if builtin(&source).is_none() {
+                    self.shell.recent.add(&source);
+                }
+                self.shell.background.improve(Arc::clone(&scene));
+                self.take_scene_as(source, scene, state);
+            }
+            Err(error) => {
+                self.shell.notices.failure(error);
+                if self.session.setup.open.is_none() && source != "cornell" {
+                    // Better the default scene beside the notice than an empty window.
+                    self.open_scene("cornell".to_owned());
+                }
+            }
+        }
+    }
+
+    pub(super) fn take_dropped_files(&mut self, ctx: &Context) {
+        let files = ctx.input(|i| i.raw.dropped_files.clone());
+        for path in files.iter().map(|file| file.path().to_owned()) {
+            let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+            match extension.to_str() {
+                Some("hdr") => self.shell.background.open_environment(path),
+                Some("exr") => self.shell.background.open_reference(path),
+                _ => self.open_path(path.display().to_string()),
+            }
+        }
+    }
+}

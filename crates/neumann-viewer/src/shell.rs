@@ -1,0 +1,112 @@
+//! The window around the picture: its pages, fields and notices, and what runs in the background.
+//!
+//! Panels and bars that want more than they are given leave a [`Command`] here; the window carries
+//! it out as soon as they are drawn.
+
+use std::sync::Arc;
+
+use egui::Context;
+
+use crate::gallery::Gallery;
+use crate::keys::Action;
+use crate::notices::Notices;
+use crate::panels::Page;
+use crate::recent::Recent;
+use crate::scene_source::Background;
+
+/// What stands around the picture.
+pub struct Shell {
+    /// The page of the panel.
+    pub page: Page,
+    /// Bars, panel and filmstrip are hidden.
+    pub is_bare: bool,
+    /// The help page is shown.
+    pub is_help_open: bool,
+    /// The menu of methods is open.
+    pub is_menu_open: bool,
+    /// What stands in the text fields.
+    pub fields: Fields,
+    /// The material that is being edited.
+    pub material: Option<usize>,
+    /// Small pictures of the built-in scenes.
+    pub gallery: Gallery,
+    /// Scenes and states opened lately.
+    pub recent: Recent,
+    /// What the window has to say.
+    pub notices: Notices,
+    /// What runs in the background.
+    pub background: Background,
+    /// What the window itself is to do.
+    pub requests: Vec<WindowRequest>,
+    /// A control had the keyboard at the end of the last frame; the toolkit takes it away at Esc
+    /// itself.
+    pub(crate) had_focus: bool,
+    commands: Vec<Command>,
+}
+
+/// What stands in the text fields.
+#[derive(Clone, Debug, Default)]
+pub struct Fields {
+    /// Path of a scene.
+    pub scene: String,
+    /// Path of an environment map.
+    pub environment: String,
+    /// Path of a reference picture.
+    pub reference: String,
+}
+
+/// What a panel wants done that needs more than it was given.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// What a key would do.
+    Do(Action),
+    /// Open a scene by name or path, or a state by its path.
+    OpenScene(String),
+}
+
+/// What only the window can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WindowRequest {
+    /// Close.
+    Quit,
+    /// Fill the screen, or no longer.
+    Fullscreen,
+}
+
+impl Shell {
+    /// A window at its first frame. `wake` asks for another one, from any thread.
+    #[must_use]
+    pub fn new(wake: Arc<dyn Fn() + Send + Sync>) -> Self {
+        Self {
+            page: Page::default(),
+            is_bare: false,
+            is_help_open: false,
+            is_menu_open: false,
+            fields: Fields::default(),
+            material: None,
+            gallery: Gallery::new(Arc::clone(&wake)),
+            recent: Recent::default(),
+            notices: Notices::default(),
+            background: Background::new(wake),
+            requests: Vec::new(),
+            had_focus: false,
+            commands: Vec::new(),
+        }
+    }
+
+    /// Asks for what a key would do.
+    pub fn act(&mut self, ctx: &Context, action: Action) {
+        self.commands.push(Command::Do(action));
+        ctx.request_repaint();
+    }
+
+    /// Asks for a scene to be opened by name or path, or a state by its path.
+    pub fn open_scene(&mut self, source: impl Into<String>) {
+        self.commands.push(Command::OpenScene(source.into()));
+    }
+
+    /// What has been asked for since.
+    pub(crate) fn take_commands(&mut self) -> Vec<Command> {
+        std::mem::take(&mut self.commands)
+    }
+}

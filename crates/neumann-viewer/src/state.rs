@@ -1,0 +1,315 @@
+//! Between the window and a [`State`]: what is written of it, and how it is taken up again.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{Mat4, Vec3};
+use neumann_core::radiometry::Rgb;
+use neumann_core::render::StopRule;
+use neumann_core::scene::builtin::builtin;
+use neumann_core::scene::description::{CameraDescription, Lens, MaterialDescription, Projection};
+use neumann_core::scene::{Appearance, Level, SkyChoice};
+use neumann_picture::state::{
+    CameraState, Edits, EnvironmentState, Exact, ExposureState, FalseColourState, LensState,
+    LevelEdit, Magnified, MaterialEdit, ProjectionState, State, Stop,
+};
+
+use crate::camera_control::CameraControl;
+use crate::display::ViewSettings;
+use crate::session::Session;
+use crate::setup::{OpenScene, Setup};
+use crate::viewing::Viewing;
+
+/// What is seen now; `None` while there is no scene.
+#[must_use]
+pub fn of(session: &Session, viewing: &Viewing) -> Option<State> {
+    let setup = &session.setup;
+    let (open, control) = (setup.open.as_ref()?, setup.camera.as_ref()?);
+    let settings = &viewing.settings;
+    let method = setup.method();
+    let values = &setup.values[setup.method];
+    let parameters = method.parameters.iter().map(|parameter| {
+        let value = values.value(parameter.name);
+        let value = value.unwrap_or_else(|| parameter.default_value());
+        (parameter.name.to_owned(), parameter.format(value))
+    });
+    let appearance = open.scene.appearance();
+    Some(State {
+        scene: place_of(&open.source),
+        camera: Some(camera(open.camera, control)),
+        method: method.id.to_owned(),
+        parameters: parameters.collect(),
+        max_bounces: setup.max_bounces,
+        layers: setup.n_layers,
+        seed: setup.seed,
+        size: setup.fixed_size.map(|(w, h)| [w, h]),
+        stop: match setup.stop {
+            StopRule::Never => Stop::Never,
+            StopRule::Iterations(n) => Stop::Iterations(n),
+            StopRule::Seconds(seconds) => Stop::Seconds(seconds),
+        },
+        view: viewing.views.shown().id.to_owned(),
+        part: settings.part.to_string(),
+        exposure: ExposureState {
+            stops: Exact(settings.exposure_ev),
+            is_automatic: settings.is_auto,
+        },
+        tone: settings.tone.name().to_owned(),
+        false_colour: FalseColourState {
+            is_on: settings.is_false_colour,
+            colours: settings.map.name().to_owned(),
+            stops: Exact(settings.map_stops),
+        },
+        magnified: settings.zoom.map(|zoom| Magnified {
+            zoom: Exact(zoom),
+            center: Exact::all(settings.center),
+        }),
+        environment: environment(setup.sky.as_ref(), appearance),
+        backs: appearance.backs.name().to_owned(),
+        edits: edits(open),
+        ..State::default()
+    })
+}
+
+/// The sky that a state asks for in place of the scene's.
+#[must_use]
+pub fn sky(state: &State) -> Option<SkyChoice> {
+    let word = state.environment.sky.as_str();
+    (word != EnvironmentState::OWN).then(|| SkyChoice::from_word(word))
+}
+
+/// Takes up a state, its scene being open. Yields what of it could not be, in a sentence each.
+#[must_use]
+pub fn take_up(state: &State, session: &mut Session, viewing: &mut Viewing) -> Vec<String> {
+    let mut complaints = Vec::new();
+    let setup = &mut session.setup;
+    take_method(state, setup);
+    if let Some(camera) = &state.camera {
+        take_camera(camera, setup);
+    }
+    if let Some(open) = &setup.open {
+        let mut appearance = open.scene.appearance().clone();
+        take_edits(&state.edits, &mut appearance, &mut complaints);
+        take_environment(&state.environment, &mut appearance);
+        setup.dress(appearance);
+    }
+    setup.is_changed = true;
+    take_looks(state, &mut viewing.settings);
+    viewing.views.close();
+    if let Err(refusal) = viewing.views.show(&state.view, setup, &viewing.settings) {
+        complaints.push(refusal);
+    }
+    complaints
+}
+
+/// Level and turn of the environment; for a map that came later than the scene, too.
+pub fn take_environment(state: &EnvironmentState, appearance: &mut Appearance) {
+    appearance.environment_level = Level {
+        is_on: state.is_on,
+        brightness: state.brightness.0,
+    };
+    if let (Some(rotation), Some(map)) = (state.rotation, &mut appearance.environment)
+        && map.rotation.to_bits() != rotation.0.to_bits()
+    {
+        Arc::make_mut(map).rotation = rotation.0;
+    }
+}
+
+/// A name that means the same from every folder.
+fn place_of(source: &str) -> String {
+    if builtin(source).is_some() {
+        return source.to_owned();
+    }
+    absolute(Path::new(source))
+}
+
+fn absolute(path: &Path) -> String {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    path.display().to_string()
+}
+
+fn camera(of_file: usize, control: &CameraControl) -> CameraState {
+    let camera = control.camera();
+    CameraState {
+        of_file,
+        world_from_camera: Exact::all(camera.world_from_camera.to_cols_array()),
+        aspect_ratio: camera.aspect_ratio.map(Exact),
+        projection: match camera.projection {
+            Projection::Perspective { yfov } => ProjectionState::Perspective { yfov: Exact(yfov) },
+            Projection::Orthographic { ymag } => {
+                ProjectionState::Orthographic { ymag: Exact(ymag) }
+            }
+        },
+        lens: camera.lens.map(|lens| LensState {
+            aperture: Exact(lens.aperture),
+            focus_distance: Exact(lens.focus_distance),
+        }),
+        target: Exact::all(control.target().to_array()),
+        up: Exact::all(control.up().to_array()),
+    }
+}
+
+fn take_camera(state: &CameraState, setup: &mut Setup) {
+    setup.take_camera(state.of_file);
+    let Some(control) = &mut setup.camera else {
+        return;
+    };
+    let camera = CameraDescription {
+        name: control.camera().name.clone(),
+        world_from_camera: Mat4::from_cols_array(&Exact::values(state.world_from_camera)),
+        aspect_ratio: state.aspect_ratio.map(|ratio| ratio.0),
+        projection: match state.projection {
+            ProjectionState::Perspective { yfov } => Projection::Perspective { yfov: yfov.0 },
+            ProjectionState::Orthographic { ymag } => Projection::Orthographic { ymag: ymag.0 },
+        },
+        lens: state.lens.as_ref().map(|lens| Lens {
+            aperture: lens.aperture.0,
+            focus_distance: lens.focus_distance.0,
+        }),
+    };
+    let vector = |all| Vec3::from_array(Exact::values(all));
+    control.put(camera, vector(state.target), vector(state.up));
+}
+
+fn take_method(state: &State, setup: &mut Setup) {
+    if let Some(index) = neumann_core::integrator::METHODS
+        .iter()
+        .position(|method| method.id == state.method)
+    {
+        setup.method = index;
+    }
+    // A state that was read has been checked.
+    if let Ok((values, _)) = state.values(setup.method()) {
+        setup.values[setup.method] = values;
+    }
+    setup.max_bounces = state.max_bounces;
+    setup.n_layers = state.layers.max(1);
+    setup.seed = state.seed;
+    setup.fixed_size = state.size.map(|[w, h]| (w, h));
+    setup.stop = match state.stop {
+        Stop::Never => StopRule::Never,
+        Stop::Iterations(n) => StopRule::Iterations(n),
+        Stop::Seconds(seconds) => StopRule::Seconds(seconds),
+    };
+}
+
+fn take_looks(state: &State, settings: &mut ViewSettings) {
+    // A state that was read has been checked; of another one, what can be read counts.
+    *settings = ViewSettings {
+        part: state.part.parse().unwrap_or(settings.part),
+        exposure_ev: state.exposure.stops.0,
+        is_auto: state.exposure.is_automatic,
+        tone: state.tone.parse().unwrap_or(settings.tone),
+        is_false_colour: state.false_colour.is_on,
+        map: state.false_colour.colours.parse().unwrap_or(settings.map),
+        map_stops: state.false_colour.stops.0,
+        zoom: state.magnified.as_ref().map(|magnified| magnified.zoom.0),
+        center: state
+            .magnified
+            .as_ref()
+            .map_or([0.5, 0.5], |magnified| Exact::values(magnified.center)),
+        ..ViewSettings::default()
+    };
+}
+
+fn environment(sky: Option<&SkyChoice>, appearance: &Appearance) -> EnvironmentState {
+    let level = appearance.environment_level;
+    let map = appearance.environment.as_ref();
+    EnvironmentState {
+        sky: match sky {
+            None => EnvironmentState::OWN.to_owned(),
+            Some(SkyChoice::None) => "none".to_owned(),
+            Some(SkyChoice::Builtin(sky)) => sky.name().to_owned(),
+            Some(SkyChoice::File(path)) => absolute(path),
+        },
+        rotation: map.map(|map| Exact(map.rotation)),
+        is_on: level.is_on,
+        brightness: Exact(level.brightness),
+    }
+}
+
+fn edits(open: &OpenScene) -> Edits {
+    let appearance = open.scene.appearance();
+    let materials = appearance.materials.iter().zip(&open.original.materials);
+    let materials = materials.enumerate().filter(|(_, (now, was))| now != was);
+    let names = appearance.materials.iter().map(|m| m.name.as_str());
+    let lights = appearance.lights.iter().map(|light| light.name.as_str());
+    Edits {
+        materials: materials.map(|(i, (now, _))| material(i, now)).collect(),
+        emitters: levels(names, &appearance.material_levels),
+        lights: levels(lights, &appearance.light_levels),
+    }
+}
+
+fn levels<'a>(names: impl Iterator<Item = &'a str>, levels: &[Level]) -> Vec<LevelEdit> {
+    let all = names.zip(levels).enumerate();
+    let edited = all.filter(|(_, (_, level))| **level != Level::default());
+    edited
+        .map(|(index, (name, level))| LevelEdit {
+            index,
+            name: name.to_owned(),
+            is_on: level.is_on,
+            brightness: Exact(level.brightness),
+        })
+        .collect()
+}
+
+fn material(index: usize, material: &MaterialDescription) -> MaterialEdit {
+    MaterialEdit {
+        index,
+        name: material.name.clone(),
+        base_color: Exact::all(material.base_color.to_array()),
+        roughness: Exact(material.roughness),
+        metallic: Exact(material.metallic),
+        specular: Exact(material.specular),
+        transmission: Exact(material.transmission),
+        ior: Exact(material.ior),
+        emission: Exact::all(material.emission.to_array()),
+    }
+}
+
+fn take_edits(edits: &Edits, appearance: &mut Appearance, complaints: &mut Vec<String>) {
+    let rgb = |all| {
+        let [r, g, b] = Exact::values(all);
+        Rgb::new(r, g, b)
+    };
+    let mut left_out = |what: &str, index: usize, name: &str| {
+        complaints.push(format!(
+            "The scene has no {what} {index} called '{name}'; it was edited, and stays as in the file"
+        ));
+    };
+    for edit in &edits.materials {
+        let found = appearance.materials.get_mut(edit.index);
+        let Some(material) = found.filter(|material| material.name == edit.name) else {
+            left_out("material", edit.index, &edit.name);
+            continue;
+        };
+        material.base_color = rgb(edit.base_color);
+        material.roughness = edit.roughness.0;
+        material.metallic = edit.metallic.0;
+        material.specular = edit.specular.0;
+        material.transmission = edit.transmission.0;
+        material.ior = edit.ior.0;
+        material.emission = rgb(edit.emission);
+    }
+    let level = |edit: &LevelEdit| Level {
+        is_on: edit.is_on,
+        brightness: edit.brightness.0,
+    };
+    for edit in &edits.emitters {
+        let named = appearance.materials.get(edit.index);
+        let is_it = named.is_some_and(|material| material.name == edit.name);
+        match appearance.material_levels.get_mut(edit.index) {
+            Some(there) if is_it => *there = level(edit),
+            _ => left_out("material", edit.index, &edit.name),
+        }
+    }
+    for edit in &edits.lights {
+        let named = appearance.lights.get(edit.index);
+        let is_it = named.is_some_and(|light| light.name == edit.name);
+        match appearance.light_levels.get_mut(edit.index) {
+            Some(there) if is_it => *there = level(edit),
+            _ => left_out("light", edit.index, &edit.name),
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! The hand on the camera: what the pointer does on the picture.
+
+use egui::{CursorIcon, PointerButton, Pos2, Response, Ui, Vec2};
+use glam::Vec2 as Plane;
+use neumann_core::endpoint::Camera;
+use neumann_core::transport::Tracer;
+
+use crate::display::image_area::{self, Placement};
+use crate::views::Stage;
+
+/// Moves camera and picture as the pointer asks.
+pub(super) fn take_pointer(
+    ui: &Ui,
+    response: &Response,
+    placement: &Placement,
+    stage: &mut Stage<'_>,
+) {
+    let ctx = ui.ctx();
+    let (modifiers, magnify) = ctx.input(|i| (i.modifiers, i.zoom_delta()));
+    let pointer = response.hover_pos();
+    if let Some(at) = pointer
+        && (magnify - 1.0).abs() > 1e-3
+    {
+        let anchor = placement.fraction(at).unwrap_or([0.5, 0.5]);
+        image_area::zoom(stage.settings, placement, magnify, anchor);
+        return;
+    }
+    if response.double_clicked() {
+        stage.settings.zoom = None;
+    }
+    if response.clicked() && modifiers.alt {
+        focus_at(response.interact_pointer_pos(), placement, stage);
+        return;
+    }
+    let drag = response.drag_delta();
+    if response.dragged_by(PointerButton::Secondary) {
+        let moved = drag / placement.film.size();
+        let center = &mut stage.settings.center;
+        *center = [
+            (center[0] - moved.x).clamp(0.0, 1.0),
+            (center[1] - moved.y).clamp(0.0, 1.0),
+        ];
+        return;
+    }
+    let setup = &mut stage.session.setup;
+    let Some(control) = &mut setup.camera else {
+        return;
+    };
+    let unit = stage.rect.height().max(1.0);
+    let is_panning = response.dragged_by(PointerButton::Middle)
+        || (response.dragged_by(PointerButton::Primary) && modifiers.shift);
+    if is_panning && drag != Vec2::ZERO {
+        let height = placement.film.height().max(1.0);
+        control.pan(Plane::new(drag.x, drag.y) / height);
+        setup.is_changed = true;
+        ctx.set_cursor_icon(CursorIcon::Move);
+    } else if response.dragged_by(PointerButton::Primary) && drag != Vec2::ZERO {
+        control.orbit(Plane::new(drag.x, drag.y) * (std::f32::consts::PI / unit));
+        setup.is_changed = true;
+        ctx.set_cursor_icon(CursorIcon::Grabbing);
+    }
+    let wheel = ctx.input(|i| i.smooth_scroll_delta().y);
+    if pointer.is_some() && wheel.abs() > 0.0 {
+        control.dolly((-wheel * 0.002).exp());
+        setup.is_changed = true;
+    }
+}
+
+/// Focuses the lens on what is seen at a place of the screen.
+fn focus_at(at: Option<Pos2>, placement: &Placement, stage: &mut Stage<'_>) {
+    let setup = &mut stage.session.setup;
+    let (Some(fraction), Some(open), Some(control)) = (
+        at.and_then(|at| placement.fraction(at)),
+        &setup.open,
+        &mut setup.camera,
+    ) else {
+        return;
+    };
+    let (w, h) = placement.size;
+    let camera = Camera::new(control.camera(), w, h);
+    let raster = Plane::new(fraction[0] * w as f32, fraction[1] * h as f32);
+    // The middle of the lens.
+    let ray = camera.ray(raster, [0.5, 0.5]).ray;
+    let Some(vertex) = Tracer::new(&open.scene).vertex(&ray) else {
+        stage.notices.failure("Nothing to focus on there");
+        return;
+    };
+    let mut lens = control.lens();
+    lens.focus_distance = (vertex.point.position - camera.position()).dot(camera.forward());
+    if lens.aperture <= 0.0 {
+        // A pinhole has no focus; give it a lens that shows it.
+        lens.aperture = 0.02 * lens.focus_distance;
+    }
+    control.set_lens(lens);
+    setup.is_changed = true;
+}

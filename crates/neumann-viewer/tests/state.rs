@@ -1,0 +1,254 @@
+//! A state that is saved and opened again shows the same picture.
+
+mod support;
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use egui::{Key, Modifiers, Theme};
+use egui_kittest::Harness;
+use glam::Vec2;
+use neumann_core::film::View as Part;
+use neumann_core::radiometry::Rgb;
+use neumann_core::render::StopRule;
+use neumann_core::scene::{Backs, Level, Sky};
+use neumann_picture::exr_file::{appearance_text, camera_text, environment_text};
+use neumann_picture::state::State;
+use neumann_picture::tone::ToneCurve;
+use neumann_viewer::app::App;
+use neumann_viewer::state;
+
+use support::{app, app_with_techniques};
+
+fn harness_of(app: App) -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size([1280.0, 720.0])
+        .with_pixels_per_point(1.0)
+        .with_theme(Theme::Dark)
+        .build_ui_state(|ui, app: &mut App| app.ui(ui), app);
+    harness.run_steps(4);
+    harness
+}
+
+fn wait(harness: &mut Harness<'_, App>, is_done: impl Fn(&App) -> bool) {
+    for _ in 0..1000 {
+        harness.run_steps(2);
+        if is_done(harness.state()) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("nothing came from the background");
+}
+
+fn state_of(harness: &Harness<'_, App>) -> State {
+    let app = harness.state();
+    state::of(&app.session, &app.viewing).expect("a scene is open")
+}
+
+/// Changes a bit of everything.
+fn change(app: &mut App) {
+    let setup = &mut app.session.setup;
+    let control = setup.camera.as_mut().expect("a camera");
+    control.orbit(Vec2::new(0.1234, -0.0567));
+    control.dolly(0.777);
+    control.set_fov(0.7 + 1e-7);
+    let mut lens = control.lens();
+    lens.aperture = 0.1 / 3.0;
+    control.set_lens(lens);
+    setup.choose_sky(Some(Sky::Sun));
+    setup.choose_backs(Backs::SeeThrough);
+    let open = setup.open.as_ref().expect("a scene");
+    let mut appearance = open.scene.appearance().clone();
+    appearance.materials[0].base_color = Rgb::new(0.1, 0.2, 1.0 / 3.0);
+    appearance.materials[0].roughness = 0.3;
+    appearance.material_levels[0] = Level {
+        is_on: true,
+        brightness: 1.7,
+    };
+    appearance.environment_level.brightness = 0.3;
+    let map = appearance.environment.as_mut().expect("a sky");
+    std::sync::Arc::make_mut(map).rotation = 1.1;
+    setup.dress(appearance);
+    setup.max_bounces = 9;
+    setup.n_layers = 7;
+    setup.seed = 12;
+    setup.stop = StopRule::Iterations(77);
+    setup.fixed_size = Some((40, 30));
+    let settings = &mut app.viewing.settings;
+    settings.part = Part::Upto(3);
+    settings.exposure_ev = 1.0 / 3.0;
+    settings.tone = ToneCurve::ALL[3];
+    settings.is_false_colour = true;
+    settings.map_stops = 7.5;
+    settings.zoom = Some(3.3);
+    settings.center = [0.1, 0.9];
+}
+
+#[test]
+fn a_state_opened_again_shows_the_same_picture() {
+    let mut first = harness_of(app_with_techniques());
+    change(first.state_mut());
+    first.run_steps(3);
+    first.key_press(Key::V);
+    first.run_steps(3);
+    let saved = state_of(&first);
+    assert_eq!(saved.view, "techniques");
+    let (read, warnings) = State::parse(&saved.to_text()).expect("a state");
+    assert_eq!((&read, warnings.len()), (&saved, 0));
+
+    let mut second = harness_of(app());
+    second.state_mut().open_state(Box::new(read));
+    wait(&mut second, |app| !app.is_loading());
+    second.run_steps(2);
+    assert_eq!(state_of(&second), saved);
+    assert_eq!(second.state().shell.notices.texts().count(), 0);
+
+    let job = |harness: &Harness<'_, App>| {
+        let job = harness.state().session.link.started();
+        job.expect("it renders").clone()
+    };
+    let (a, b) = (job(&first), job(&second));
+    let bits = |matrix: glam::Mat4| matrix.to_cols_array().map(f32::to_bits);
+    assert_eq!(
+        bits(a.settings.camera.world_from_camera),
+        bits(b.settings.camera.world_from_camera)
+    );
+    assert_eq!(
+        camera_text(&a.settings.camera),
+        camera_text(&b.settings.camera)
+    );
+    let of_settings = |job: &neumann_core::render::Job| {
+        let s = &job.settings;
+        let size = (s.width, s.height);
+        (
+            s.method,
+            s.values.clone(),
+            size,
+            s.max_bounces,
+            s.n_layers,
+            s.seed,
+        )
+    };
+    assert_eq!(of_settings(&a), of_settings(&b));
+    assert_eq!(a.stop, b.stop);
+    let (now, was) = (a.scene.appearance(), b.scene.appearance());
+    assert_eq!(a.scene.content_hash(), b.scene.content_hash());
+    assert_eq!(appearance_text(now), appearance_text(was));
+    let sky = |e: &neumann_core::scene::Appearance| environment_text(e.environment.as_deref());
+    assert_eq!(sky(now), sky(was));
+    assert_eq!(now.backs, was.backs);
+    let looks = |harness: &Harness<'_, App>| harness.state().viewing.settings.clone();
+    assert_eq!(looks(&first), looks(&second));
+    // The way home is that of the file.
+    second.key_press(Key::Home);
+    second.run_steps(2);
+    let home = harness_of(app());
+    assert_eq!(
+        camera_text(&job(&second).settings.camera),
+        camera_text(&job(&home).settings.camera)
+    );
+}
+
+#[test]
+fn a_map_comes_back_with_its_level_and_turn() {
+    let map = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/scenes/sky.hdr");
+    let mut first = harness_of(app());
+    let is_lit = |app: &App| {
+        let open = app.session.setup.open.as_ref().expect("a scene");
+        open.scene.appearance().environment.is_some()
+    };
+    assert!(!is_lit(first.state()));
+    first
+        .state_mut()
+        .shell
+        .background
+        .open_environment(map.into());
+    wait(&mut first, is_lit);
+    let setup = &mut first.state_mut().session.setup;
+    let open = setup.open.as_ref().expect("a scene");
+    let mut appearance = open.scene.appearance().clone();
+    appearance.environment_level.is_on = false;
+    let sky = appearance.environment.as_mut().expect("a sky");
+    std::sync::Arc::make_mut(sky).rotation = -0.3;
+    setup.dress(appearance);
+    let saved = state_of(&first);
+
+    let mut second = harness_of(app());
+    second.state_mut().open_state(Box::new(saved.clone()));
+    wait(&mut second, |app| !app.is_loading() && is_lit(app));
+    assert_eq!(state_of(&second), saved);
+}
+
+#[test]
+fn a_key_saves_the_state_and_its_file_can_be_opened() {
+    let folder = std::env::temp_dir().join(format!("neumann-state-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    std::env::set_current_dir(&folder).expect("a folder");
+    let mut harness = harness_of(app());
+    change(harness.state_mut());
+    harness.run_steps(3);
+    let saved = state_of(&harness);
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    let notice = |app: &App| {
+        let mut texts = app.shell.notices.texts();
+        texts.find_map(|text| text.strip_prefix("Saved ").map(PathBuf::from))
+    };
+    wait(&mut harness, |app| notice(app).is_some());
+    let path = notice(harness.state()).expect("it was saved");
+    assert_eq!(State::read(&path).expect("a state").0, saved);
+
+    // The header of all layers has it, too.
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
+    let picture = |app: &App| {
+        let mut texts = app
+            .shell
+            .notices
+            .texts()
+            .filter_map(|t| t.strip_prefix("Saved "));
+        texts.find(|text| text.ends_with(".exr")).map(PathBuf::from)
+    };
+    wait(&mut harness, |app| picture(app).is_some());
+    let picture = picture(harness.state()).expect("it was saved");
+    assert_eq!(State::read(&picture).expect("a state").0, saved);
+
+    let mut second = harness_of(app());
+    let text = path.display().to_string();
+    second.state_mut().open_path(text.clone());
+    wait(&mut second, |app| !app.is_loading());
+    assert_eq!(state_of(&second), saved);
+    // What is wrong with a file is told, and what is shown stays.
+    std::fs::write(&path, r#"{"scene": "furnace", "layers": 0}"#).expect("a file");
+    second.state_mut().open_path(text);
+    second.run_steps(2);
+    let told = second.state().shell.notices.texts().last();
+    let told = told.expect("a notice").to_owned();
+    assert!(
+        told.contains(".json: layers: 0 is out of range; use 1 to 64"),
+        "{told}"
+    );
+    assert_eq!(state_of(&second), saved);
+    let _ = std::fs::remove_dir_all(&folder);
+}
+
+#[test]
+fn what_does_not_fit_the_scene_is_told_and_left_out() {
+    let mut harness = harness_of(app());
+    change(harness.state_mut());
+    let mut state = state_of(&harness);
+    state.edits.materials[0].name = "another".to_owned();
+    state.edits.emitters[0].index = 99;
+    state.view = "moon".to_owned();
+    let mut second = harness_of(app());
+    second.state_mut().open_state(Box::new(state));
+    wait(&mut second, |app| !app.is_loading());
+    let told: Vec<_> = second.state().shell.notices.texts().collect();
+    for part in [
+        "material 0 called 'another'",
+        "material 99",
+        "no view 'moon'",
+    ] {
+        assert!(told.iter().any(|text| text.contains(part)), "{told:?}");
+    }
+    assert_eq!(second.state().viewing.views.shown().id, "picture");
+}

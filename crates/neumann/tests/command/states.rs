@@ -1,0 +1,73 @@
+//! `view --state`: what is wrong with a state file is told in one line, before anything is opened.
+
+use std::fs;
+
+use super::Folder;
+
+/// A state whose text is `text` is refused with those words.
+fn refused(text: &str, expected: &str) {
+    let folder = Folder::new();
+    fs::write(folder.join("a.json"), text).unwrap();
+    let stderr = folder.fail("view --state a.json --screenshot a.png", 2);
+    assert!(stderr.contains(expected), "{text}: {stderr}");
+    assert_eq!(stderr.lines().count(), 1, "{text}: {stderr}");
+    assert!(!folder.join("a.png").exists());
+}
+
+#[test]
+fn states_that_cannot_be_shown_are_refused() {
+    refused("", "a.json: ");
+    refused("{", "a.json: ");
+    refused(r#"{"scene": "cornell", "camera": {}}"#, "a.json: camera");
+    refused(
+        r#"{"scene": "none.glb"}"#,
+        "a.json: scene: there is no file none.glb; put",
+    );
+    refused(
+        r#"{"scene": "cornell", "method": "best"}"#,
+        "a.json: method: there is no method 'best'; use one of naive",
+    );
+    refused(r#"{"scene": "cornell", "tone": "film"}"#, "a.json: tone: ");
+    let folder = Folder::new();
+    let stderr = folder.fail("view --state none.json", 2);
+    assert!(stderr.contains("none.json: cannot read"), "{stderr}");
+}
+
+#[test]
+fn a_state_stands_for_the_options_of_the_picture() {
+    let folder = Folder::new();
+    fs::write(folder.join("a.json"), r#"{"scene": "cornell"}"#).unwrap();
+    for more in [
+        "cornell",
+        "--integrator lt",
+        "--view T1",
+        "--eye 0,0,1",
+        "--tone agx",
+    ] {
+        let stderr = folder.fail(&format!("view --state a.json {more}"), 2);
+        assert!(stderr.contains("cannot be used with"), "{more}: {stderr}");
+    }
+    let stderr = folder.fail("view --state a.json --screenshot a.json", 2);
+    assert!(stderr.contains(".png"), "{stderr}");
+    assert!(folder.fail("view", 2).contains("SCENE"));
+}
+
+#[test]
+fn a_state_is_drawn_and_what_nobody_knows_in_it_is_told() {
+    let folder = Folder::new();
+    let state = r#"{"scene": "cornell", "part": "T1", "shine": 3, "size": [24, 16]}"#;
+    fs::write(folder.join("a.json"), state).unwrap();
+    let line = "view --state a.json --screenshot a.png --after 1 --window-size 640x420";
+    let output = folder.run(line);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    let has_adapter = !stderr.contains("no graphics adapter");
+    assert!(has_adapter || std::env::var_os("CI").is_none(), "{stderr}");
+    assert!(
+        stderr.contains("a.json: shine: there is no such field"),
+        "{stderr}"
+    );
+    if has_adapter {
+        assert!(output.status.success(), "{stderr}");
+        assert!(folder.join("a.png").exists());
+    }
+}

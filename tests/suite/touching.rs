@@ -254,8 +254,8 @@ fn a_small_box_does_not_know_how_large_its_floor_is() {
             // Rounding takes a photon into the radius, or out of it.
             let bound = if method.bias.is_some() { 1e-2 } else { 2e-3 };
             let means = |half| {
-                let setup = Setup::new(&scene(half, tilt), 16, 16).by(method).up_to(3);
-                setup.film(0, 64).layer_means()
+                let setup = Setup::new(&scene(half, tilt), 64, 64).by(method).up_to(3);
+                setup.film(0, 4).layer_means()
             };
             let small = means(0.2);
             for half in [300.0, 3000.0] {

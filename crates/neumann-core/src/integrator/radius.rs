@@ -69,25 +69,32 @@ impl Radius {
 
     /// The radius of iteration number `iteration`, metres: `r = r_1 (i + 1)^((α - 1) / 2)`, which
     /// is how that of Knaus and Zwicker 2011 shrinks in the end, and depends on the number of the
-    /// iteration alone. A relative radius is a share of the scene's radius, or of eight times
-    /// what `camera` sees, which is less where a small thing stands on a wide floor.
+    /// iteration alone. A relative radius is a share of the scene's radius, or of eight times what
+    /// `camera` sees, which is less where a small thing stands on a wide floor; but no less than a
+    /// pixel is wide there, or photons would be too few.
     #[must_use]
     pub fn at(&self, scene: &Scene, camera: &Camera, iteration: u32) -> f32 {
-        let unit = if self.is_relative {
-            let whole = scene.lights().bounds().radius;
-            radius_seen(scene, camera).map_or(whole, |seen| whole.min(SEEN * seen))
+        let initial = if self.is_relative {
+            let whole = self.initial * scene.lights().bounds().radius;
+            radius_seen(scene, camera).map_or(whole, |seen| {
+                let (width, height) = camera.raster_size();
+                let pixel = WIDTH_SEEN * seen / width.min(height);
+                (self.initial * SEEN * seen).max(pixel).min(whole)
+            })
         } else {
-            1.0
+            self.initial
         };
         let shrunk = (f64::from(iteration) + 1.0).powf(0.5 * (f64::from(self.alpha) - 1.0));
         // What is smaller than rounding merges nothing and divides by zero.
-        (self.initial * unit * shrunk as f32).max(1e-6 * unit)
+        initial * (shrunk as f32).max(1e-4)
     }
 }
 
 /// What the camera sees counts as so many times wider, so that a view of a whole scene leaves the
 /// scene's radius as it is.
 const SEEN: f32 = 8.0;
+/// Width of a disk over the median distance of its points from the middle: `2 √2`.
+const WIDTH_SEEN: f32 = 2.828;
 
 /// Rays that ask what the camera sees, along each side of the film.
 const N_RAYS: usize = 16;

@@ -140,7 +140,7 @@ impl<'t> Pixels<'t> {
 impl<'t> Iterator for Pixels<'t> {
     type Item = PixelPath<'t>;
 
-    #[inline]
+    #[inline(always)]
     fn next(&mut self) -> Option<PixelPath<'t>> {
         loop {
             let path = self.next_of_all()?;
@@ -153,7 +153,7 @@ impl<'t> Iterator for Pixels<'t> {
 }
 
 impl<'t> Pixels<'t> {
-    #[inline]
+    #[inline(always)]
     fn next_of_all(&mut self) -> Option<PixelPath<'t>> {
         let first = self.sample * self.n_splits;
         let numbers = self.numbers.get(first..first + self.n_splits)?;

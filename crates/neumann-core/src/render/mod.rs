@@ -7,20 +7,25 @@
 mod adaptive;
 mod behind_backs;
 mod iteration_times;
+mod job;
+mod ladder;
 mod own_light;
 mod pool;
 mod render_loop;
 mod renderer;
 mod replay;
 mod settings;
+mod summary;
 
 pub use behind_backs::hidden_by_backs;
 pub use iteration_times::IterationTimes;
+pub use job::{Job, StopRule};
 pub use own_light::lit;
 pub use pool::WorkerPool;
-pub use render_loop::{Job, Published, RenderLoop, Stats, StopRule, Thumbnail};
+pub use render_loop::RenderLoop;
 pub use renderer::{Iteration, Renderer};
 pub use settings::RenderSettings;
+pub use summary::{Published, Stats, Thumbnail};
 
 pub use crate::pass::{
     CancelToken, Cancelled, Collected, LightNumbers, LightPaths, Pass, PathId, PixelPath,

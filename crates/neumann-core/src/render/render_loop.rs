@@ -9,92 +9,14 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use super::{CancelToken, IterationTimes, RenderSettings, Renderer, WorkerPool};
-use crate::film::{Film, PhotonReport, TechniqueFilm};
-use crate::integrator::Method;
-use crate::radiometry::Rgb;
+use super::job::{Job, StopRule};
+use super::ladder::{Climb, Pace};
+use super::summary::{Published, SUMMARY_PERIOD, Stats, Summary, technique_divisor};
+use super::{CancelToken, Renderer, WorkerPool};
+use crate::film::Film;
 use crate::scene::Scene;
-
-/// What to render.
-#[derive(Clone)]
-pub struct Job {
-    /// The scene.
-    pub scene: Arc<Scene>,
-    /// The settings, at full resolution.
-    pub settings: RenderSettings,
-    /// When it is done.
-    pub stop: StopRule,
-}
-
-/// When rendering is done by itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum StopRule {
-    /// Never.
-    #[default]
-    Never,
-    /// After so many iterations at full resolution.
-    Iterations(u32),
-    /// Before an iteration that would end after so much time of rendering, seconds; after the
-    /// first one at the earliest.
-    Seconds(f64),
-}
-
-/// How rendering is going.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Stats {
-    /// Iterations in the film.
-    pub n_iterations: u32,
-    /// Time spent rendering since the job began, seconds; pauses do not count.
-    pub seconds: f64,
-    /// Camera samples per second over the latest iteration.
-    pub samples_per_second: f64,
-    /// Rays per second over the latest iteration.
-    pub rays_per_second: f64,
-    /// [`Film::estimated_error`], renewed a few times a second.
-    pub estimated_error: Option<f64>,
-    /// Contributions refused because they were not finite or negative.
-    pub n_refused: u64,
-    /// What the photons of the latest iteration were like, if it had any.
-    pub photons: Option<PhotonReport>,
-    /// True once the stop rule has been met.
-    pub is_done: bool,
-}
-
-/// The latest state of the picture.
-pub struct Published {
-    /// The number [`RenderLoop::start`] gave to the job that made it; 0 before the first frame.
-    pub generation: u64,
-    /// Grows with every change of this structure.
-    pub version: u64,
-    /// The film; smaller than asked for by `divisor` while the ladder is climbed.
-    pub film: Film,
-    /// 8, 4, 2 on the ladder, 1 at full resolution.
-    pub divisor: usize,
-    /// How rendering is going.
-    pub stats: Stats,
-    /// Small images of the layers, tail last; sums of them are thumbnails of partial sums.
-    pub thumbnails: Vec<Thumbnail>,
-    /// [`Film::energy_shares`], renewed with the thumbnails.
-    pub energy_shares: Vec<f64>,
-    /// Grows when the thumbnails change.
-    pub thumbnails_version: u64,
-    /// The techniques apart, renewed with the thumbnails while [`RenderLoop::record_techniques`] is
-    /// on.
-    pub techniques: Option<Arc<TechniqueFilm>>,
-}
-
-/// A small linear image.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Thumbnail {
-    /// Pixels per row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// `pixels[y * width + x]`, row 0 on top.
-    pub pixels: Vec<Rgb>,
-}
 
 /// The background renderer; dropping it stops it.
 pub struct RenderLoop {
@@ -118,13 +40,6 @@ struct Control {
     has_quit: bool,
     cancel: CancelToken,
 }
-
-/// A frame on the ladder should be there within this time.
-const COARSE_SECONDS: f64 = 0.020;
-/// Thumbnails, shares and error are renewed this often.
-const SUMMARY_PERIOD: Duration = Duration::from_millis(250);
-/// The longer edge of a thumbnail, pixels.
-const THUMBNAIL_EDGE: usize = 128;
 
 impl RenderLoop {
     /// Starts the thread; `on_publish` is called, on that thread, after every change of the
@@ -311,39 +226,8 @@ struct Task {
     is_recording: bool,
 }
 
-/// How long the latest iteration took.
-#[derive(Clone, Copy)]
-struct Pace {
-    method: &'static Method,
-    seconds_per_pixel: f64,
-}
-
-/// Seconds for a pixel of a method that has not been seen at work: the ladder is climbed from far
-/// down.
-const SLOWEST_PACE: f64 = 1e-5;
-
-/// One job on its way up the ladder and on.
-struct Climb {
-    generation: u64,
-    rungs: Vec<usize>,
-    renderer: Option<Renderer>,
-    divisor: usize,
-    n_iterations: u32,
-    seconds: f64,
-    /// Of iterations of this rung.
-    times: IterationTimes,
-}
-
 fn run(shared: &Shared, pool: &WorkerPool) {
-    let mut climb = Climb {
-        generation: 0,
-        rungs: Vec::new(),
-        renderer: None,
-        divisor: 1,
-        n_iterations: 0,
-        seconds: 0.0,
-        times: IterationTimes::default(),
-    };
+    let mut climb = Climb::idle();
     let mut pace: Option<Pace> = None;
     let mut summarised: Option<Instant> = None;
     loop {
@@ -352,7 +236,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             return;
         };
         if task.generation != climb.generation {
-            climb = Climb::new(&task, pace);
+            climb = Climb::new(&task.job, task.generation, pace);
             summarised = None;
         }
         let start = Instant::now();
@@ -426,168 +310,5 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         if divisor != 1 {
             climb.next_rung();
         }
-    }
-}
-
-impl Climb {
-    /// Begins a job on the coarsest rung that is needed for a first frame in time.
-    fn new(task: &Task, pace: Option<Pace>) -> Self {
-        let settings = &task.job.settings;
-        let n_pixels = (settings.width * settings.height) as f64;
-        // What another method took says nothing about this one.
-        let pace = pace.filter(|pace| pace.method == settings.method);
-        let seconds = n_pixels * pace.map_or(SLOWEST_PACE, |pace| pace.seconds_per_pixel);
-        let is_in_time = |divisor: &usize| seconds / ((divisor * divisor) as f64) <= COARSE_SECONDS;
-        let first = [1, 2, 4, 8].into_iter().find(is_in_time).unwrap_or(8);
-        let rungs = [1, 2, 4, 8]
-            .into_iter()
-            .filter(|d| *d <= first)
-            .collect::<Vec<_>>();
-        Self {
-            generation: task.generation,
-            divisor: first,
-            rungs: rungs[..rungs.len() - 1].to_vec(),
-            renderer: None,
-            n_iterations: 0,
-            seconds: 0.0,
-            times: IterationTimes::default(),
-        }
-    }
-
-    fn renderer(&mut self, job: &Job, pool: &WorkerPool) -> &mut Renderer {
-        let divisor = self.divisor;
-        let renderer = self.renderer.get_or_insert_with(|| {
-            let mut settings = job.settings.clone();
-            settings.width = settings.width.div_ceil(divisor).max(1);
-            settings.height = settings.height.div_ceil(divisor).max(1);
-            Renderer::new(Arc::clone(&job.scene), settings, pool.clone(), 0)
-        });
-        renderer.take_scene(&job.scene);
-        renderer
-    }
-
-    fn next_rung(&mut self) {
-        self.divisor = self.rungs.pop().unwrap_or(1);
-        self.renderer = None;
-        self.n_iterations = 0;
-        self.times = IterationTimes::default();
-    }
-
-    fn is_done(&self, stop: StopRule) -> bool {
-        if self.divisor != 1 {
-            return false;
-        }
-        match stop {
-            StopRule::Never => false,
-            StopRule::Iterations(n) => self.n_iterations >= n,
-            StopRule::Seconds(s) => {
-                self.n_iterations > 0 && self.seconds + self.times.expected() > s
-            }
-        }
-    }
-}
-
-/// So that the longer edge of a technique's image has at most [`THUMBNAIL_EDGE`] pixels: then all
-/// of them take 46 MB at 16:9 and 8 layers.
-fn technique_divisor(settings: &RenderSettings) -> usize {
-    settings.width.max(settings.height).div_ceil(THUMBNAIL_EDGE)
-}
-
-/// What is drawn from the whole film, a few times a second.
-struct Summary {
-    thumbnails: Vec<Thumbnail>,
-    energy_shares: Vec<f64>,
-    estimated_error: Option<f64>,
-    techniques: Option<Arc<TechniqueFilm>>,
-}
-
-impl Summary {
-    fn of(film: &Film, estimated_error: Option<f64>, techniques: Option<&TechniqueFilm>) -> Self {
-        Self {
-            thumbnails: (0..=film.n_layers())
-                .map(|layer| Thumbnail::of(film, layer))
-                .collect(),
-            energy_shares: film.energy_shares(),
-            estimated_error,
-            techniques: techniques.map(|techniques| Arc::new(techniques.clone())),
-        }
-    }
-}
-
-impl Published {
-    fn take(&mut self, stats: Stats, summary: Option<Summary>) {
-        let estimated_error = self.stats.estimated_error;
-        self.stats = Stats {
-            estimated_error,
-            n_refused: self.film.n_refused(),
-            ..stats
-        };
-        if let Some(summary) = summary {
-            self.stats.estimated_error = summary.estimated_error;
-            self.thumbnails = summary.thumbnails;
-            self.energy_shares = summary.energy_shares;
-            self.techniques = summary.techniques;
-            self.thumbnails_version += 1;
-        }
-    }
-}
-
-impl Thumbnail {
-    /// Averages boxes of pixels of a layer down to at most [`THUMBNAIL_EDGE`] on the longer edge.
-    fn of(film: &Film, layer: usize) -> Self {
-        let (width, height) = (film.width(), film.height());
-        let longer = width.max(height).max(1);
-        let edge = longer.min(THUMBNAIL_EDGE);
-        let scaled = |n: usize| (n * edge / longer).max(1);
-        let (w, h) = (scaled(width), scaled(height));
-        let range = |i: usize, n: usize, n_scaled: usize| {
-            i * n / n_scaled..((i + 1) * n / n_scaled).max(i * n / n_scaled + 1)
-        };
-        let mut pixels = Vec::with_capacity(w * h);
-        let mut sum = vec![Rgb::BLACK; width];
-        for y in 0..h {
-            let rows = range(y, height, h);
-            sum.fill(Rgb::BLACK);
-            for row in rows.clone() {
-                film.add_row(layer, row, &mut sum);
-            }
-            for x in 0..w {
-                let columns = range(x, width, w);
-                let n = (rows.len() * columns.len()) as f32;
-                let sum = sum[columns]
-                    .iter()
-                    .fold(Rgb::BLACK, |sum, value| sum + *value);
-                pixels.push(sum / n);
-            }
-        }
-        Self {
-            width: w,
-            height: h,
-            pixels,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Climb, IterationTimes, StopRule};
-
-    #[test]
-    fn an_iteration_that_would_end_too_late_is_not_begun() {
-        let mut climb = Climb {
-            generation: 1,
-            rungs: Vec::new(),
-            renderer: None,
-            divisor: 1,
-            n_iterations: 0,
-            seconds: 30.0,
-            times: IterationTimes::default(),
-        };
-        assert!(!climb.is_done(StopRule::Seconds(20.0)), "the first one is");
-        climb.n_iterations = 2;
-        climb.seconds = 12.0;
-        climb.times.take(6.0);
-        assert!(!climb.is_done(StopRule::Seconds(20.0)));
-        assert!(climb.is_done(StopRule::Seconds(17.0)));
     }
 }

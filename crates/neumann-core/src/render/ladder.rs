@@ -1,0 +1,126 @@
+//! The ladder of resolutions that a job climbs, so that something is on screen at once.
+
+use std::sync::Arc;
+
+use super::job::{Job, StopRule};
+use super::{IterationTimes, Renderer, WorkerPool};
+use crate::integrator::Method;
+
+/// A frame on the ladder should be there within this time.
+const COARSE_SECONDS: f64 = 0.020;
+
+/// How long the latest iteration took.
+#[derive(Clone, Copy)]
+pub(super) struct Pace {
+    pub(super) method: &'static Method,
+    pub(super) seconds_per_pixel: f64,
+}
+
+/// Seconds for a pixel of a method that has not been seen at work: the ladder is climbed from far
+/// down.
+const SLOWEST_PACE: f64 = 1e-5;
+
+/// One job on its way up the ladder and on.
+pub(super) struct Climb {
+    pub(super) generation: u64,
+    rungs: Vec<usize>,
+    pub(super) renderer: Option<Renderer>,
+    pub(super) divisor: usize,
+    pub(super) n_iterations: u32,
+    pub(super) seconds: f64,
+    /// Of iterations of this rung.
+    pub(super) times: IterationTimes,
+}
+
+impl Climb {
+    /// No job yet.
+    pub(super) fn idle() -> Self {
+        Self {
+            generation: 0,
+            rungs: Vec::new(),
+            renderer: None,
+            divisor: 1,
+            n_iterations: 0,
+            seconds: 0.0,
+            times: IterationTimes::default(),
+        }
+    }
+
+    /// Begins a job on the coarsest rung that is needed for a first frame in time.
+    pub(super) fn new(job: &Job, generation: u64, pace: Option<Pace>) -> Self {
+        let settings = &job.settings;
+        let n_pixels = (settings.width * settings.height) as f64;
+        // What another method took says nothing about this one.
+        let pace = pace.filter(|pace| pace.method == settings.method);
+        let seconds = n_pixels * pace.map_or(SLOWEST_PACE, |pace| pace.seconds_per_pixel);
+        let is_in_time = |divisor: &usize| seconds / ((divisor * divisor) as f64) <= COARSE_SECONDS;
+        let first = [1, 2, 4, 8].into_iter().find(is_in_time).unwrap_or(8);
+        let rungs = [1, 2, 4, 8]
+            .into_iter()
+            .filter(|d| *d <= first)
+            .collect::<Vec<_>>();
+        Self {
+            generation,
+            divisor: first,
+            rungs: rungs[..rungs.len() - 1].to_vec(),
+            renderer: None,
+            n_iterations: 0,
+            seconds: 0.0,
+            times: IterationTimes::default(),
+        }
+    }
+
+    /// The renderer of the rung.
+    pub(super) fn renderer(&mut self, job: &Job, pool: &WorkerPool) -> &mut Renderer {
+        let divisor = self.divisor;
+        let renderer = self.renderer.get_or_insert_with(|| {
+            let mut settings = job.settings.clone();
+            settings.width = settings.width.div_ceil(divisor).max(1);
+            settings.height = settings.height.div_ceil(divisor).max(1);
+            Renderer::new(Arc::clone(&job.scene), settings, pool.clone(), 0)
+        });
+        renderer.take_scene(&job.scene);
+        renderer
+    }
+
+    /// Goes up.
+    pub(super) fn next_rung(&mut self) {
+        self.divisor = self.rungs.pop().unwrap_or(1);
+        self.renderer = None;
+        self.n_iterations = 0;
+        self.times = IterationTimes::default();
+    }
+
+    /// True if the stop rule has been met.
+    pub(super) fn is_done(&self, stop: StopRule) -> bool {
+        if self.divisor != 1 {
+            return false;
+        }
+        match stop {
+            StopRule::Never => false,
+            StopRule::Iterations(n) => self.n_iterations >= n,
+            StopRule::Seconds(s) => {
+                self.n_iterations > 0 && self.seconds + self.times.expected() > s
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Climb, StopRule};
+
+    #[test]
+    fn an_iteration_that_would_end_too_late_is_not_begun() {
+        let mut climb = Climb {
+            seconds: 30.0,
+            ..Climb::idle()
+        };
+        assert!(!climb.is_done(StopRule::Seconds(20.0)), "the first one is");
+        climb.n_iterations = 2;
+        climb.seconds = 12.0;
+        climb.times.take(6.0);
+        assert!(!climb.is_done(StopRule::Seconds(20.0)));
+        assert!(climb.is_done(StopRule::Seconds(17.0)));
+    }
+}

@@ -1,0 +1,155 @@
+//! What is published of a film: how rendering is going, and small pictures of its layers.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::RenderSettings;
+use crate::film::{Film, PhotonReport, TechniqueFilm};
+use crate::radiometry::Rgb;
+
+/// Thumbnails, shares and error are renewed this often.
+pub(super) const SUMMARY_PERIOD: Duration = Duration::from_millis(250);
+/// The longer edge of a thumbnail, pixels.
+const THUMBNAIL_EDGE: usize = 128;
+
+/// How rendering is going.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stats {
+    /// Iterations in the film.
+    pub n_iterations: u32,
+    /// Time spent rendering since the job began, seconds; pauses do not count.
+    pub seconds: f64,
+    /// Camera samples per second over the latest iteration.
+    pub samples_per_second: f64,
+    /// Rays per second over the latest iteration.
+    pub rays_per_second: f64,
+    /// [`Film::estimated_error`], renewed a few times a second.
+    pub estimated_error: Option<f64>,
+    /// Contributions refused because they were not finite or negative.
+    pub n_refused: u64,
+    /// What the photons of the latest iteration were like, if it had any.
+    pub photons: Option<PhotonReport>,
+    /// True once the stop rule has been met.
+    pub is_done: bool,
+}
+
+/// The latest state of the picture.
+pub struct Published {
+    /// The number [`RenderLoop::start`] gave to the job that made it; 0 before the first frame.
+    pub generation: u64,
+    /// Grows with every change of this structure.
+    pub version: u64,
+    /// The film; smaller than asked for by `divisor` while the ladder is climbed.
+    pub film: Film,
+    /// 8, 4, 2 on the ladder, 1 at full resolution.
+    pub divisor: usize,
+    /// How rendering is going.
+    pub stats: Stats,
+    /// Small images of the layers, tail last; sums of them are thumbnails of partial sums.
+    pub thumbnails: Vec<Thumbnail>,
+    /// [`Film::energy_shares`], renewed with the thumbnails.
+    pub energy_shares: Vec<f64>,
+    /// Grows when the thumbnails change.
+    pub thumbnails_version: u64,
+    /// The techniques apart, renewed with the thumbnails while [`RenderLoop::record_techniques`] is
+    /// on.
+    pub techniques: Option<Arc<TechniqueFilm>>,
+}
+
+/// A small linear image.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Thumbnail {
+    /// Pixels per row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// `pixels[y * width + x]`, row 0 on top.
+    pub pixels: Vec<Rgb>,
+}
+
+/// So that the longer edge of a technique's image has at most [`THUMBNAIL_EDGE`] pixels: then all
+/// of them take 46 MB at 16:9 and 8 layers.
+pub(super) fn technique_divisor(settings: &RenderSettings) -> usize {
+    settings.width.max(settings.height).div_ceil(THUMBNAIL_EDGE)
+}
+
+/// What is drawn from the whole film, a few times a second.
+pub(super) struct Summary {
+    thumbnails: Vec<Thumbnail>,
+    energy_shares: Vec<f64>,
+    estimated_error: Option<f64>,
+    techniques: Option<Arc<TechniqueFilm>>,
+}
+
+impl Summary {
+    /// Of a film.
+    pub(super) fn of(
+        film: &Film,
+        estimated_error: Option<f64>,
+        techniques: Option<&TechniqueFilm>,
+    ) -> Self {
+        Self {
+            thumbnails: (0..=film.n_layers())
+                .map(|layer| Thumbnail::of(film, layer))
+                .collect(),
+            energy_shares: film.energy_shares(),
+            estimated_error,
+            techniques: techniques.map(|techniques| Arc::new(techniques.clone())),
+        }
+    }
+}
+
+impl Published {
+    /// Takes over what is new of the film.
+    pub(super) fn take(&mut self, stats: Stats, summary: Option<Summary>) {
+        let estimated_error = self.stats.estimated_error;
+        self.stats = Stats {
+            estimated_error,
+            n_refused: self.film.n_refused(),
+            ..stats
+        };
+        if let Some(summary) = summary {
+            self.stats.estimated_error = summary.estimated_error;
+            self.thumbnails = summary.thumbnails;
+            self.energy_shares = summary.energy_shares;
+            self.techniques = summary.techniques;
+            self.thumbnails_version += 1;
+        }
+    }
+}
+
+impl Thumbnail {
+    /// Averages boxes of pixels of a layer down to at most [`THUMBNAIL_EDGE`] on the longer edge.
+    fn of(film: &Film, layer: usize) -> Self {
+        let (width, height) = (film.width(), film.height());
+        let longer = width.max(height).max(1);
+        let edge = longer.min(THUMBNAIL_EDGE);
+        let scaled = |n: usize| (n * edge / longer).max(1);
+        let (w, h) = (scaled(width), scaled(height));
+        let range = |i: usize, n: usize, n_scaled: usize| {
+            i * n / n_scaled..((i + 1) * n / n_scaled).max(i * n / n_scaled + 1)
+        };
+        let mut pixels = Vec::with_capacity(w * h);
+        let mut sum = vec![Rgb::BLACK; width];
+        for y in 0..h {
+            let rows = range(y, height, h);
+            sum.fill(Rgb::BLACK);
+            for row in rows.clone() {
+                film.add_row(layer, row, &mut sum);
+            }
+            for x in 0..w {
+                let columns = range(x, width, w);
+                let n = (rows.len() * columns.len()) as f32;
+                let sum = sum[columns]
+                    .iter()
+                    .fold(Rgb::BLACK, |sum, value| sum + *value);
+                pixels.push(sum / n);
+            }
+        }
+        Self {
+            width: w,
+            height: h,
+            pixels,
+        }
+    }
+}

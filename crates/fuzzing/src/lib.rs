@@ -15,6 +15,8 @@ mod scenes;
 
 use std::sync::Once;
 
+use neumann_core::memory::set_allowed;
+
 pub use damage::{Dice, damaged};
 
 /// A way into the program for bytes of others.
@@ -40,6 +42,9 @@ pub static TARGETS: &[Target] = &[
     pictures::COMPARE,
 ];
 
+/// Memory that inputs may take, bytes: what asks for more is to be refused before it is there.
+const MEMORY: u64 = 256 << 20;
+
 /// Runs a target for a fuzzer.
 ///
 /// # Panics
@@ -47,7 +52,10 @@ pub static TARGETS: &[Target] = &[
 pub fn fuzz(name: &str, bytes: &[u8]) {
     static QUIET: Once = Once::new();
     // The fuzzer's own hook ends the program at every panic; those of decoders are caught.
-    QUIET.call_once(|| std::panic::set_hook(Box::new(|_| {})));
+    QUIET.call_once(|| {
+        std::panic::set_hook(Box::new(|_| {}));
+        set_allowed(MEMORY);
+    });
     let target = TARGETS.iter().find(|target| target.name == name);
     let Some(target) = target else {
         panic!("no target {name}");

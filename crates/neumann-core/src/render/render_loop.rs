@@ -109,8 +109,8 @@ impl RenderLoop {
     }
 
     /// Begins or ends keeping techniques apart, at full resolution of the ladder; what was kept
-    /// before is dropped. It costs time and memory ([`TechniqueFilm::bytes`]), so it is for as long
-    /// as somebody looks.
+    /// before is dropped. It costs time and memory ([`bytes`](crate::film::TechniqueFilm::bytes)),
+    /// so it is for as long as somebody looks.
     pub fn record_techniques(&self, is_on: bool) {
         self.shared.control().is_recording = is_on;
     }

@@ -35,7 +35,8 @@ pub struct Stats {
 
 /// The latest state of the picture.
 pub struct Published {
-    /// The number [`RenderLoop::start`] gave to the job that made it; 0 before the first frame.
+    /// The number [`RenderLoop::start`](super::RenderLoop::start) gave to the job that made it; 0
+    /// before the first frame.
     pub generation: u64,
     /// Grows with every change of this structure.
     pub version: u64,
@@ -51,8 +52,8 @@ pub struct Published {
     pub energy_shares: Vec<f64>,
     /// Grows when the thumbnails change.
     pub thumbnails_version: u64,
-    /// The techniques apart, renewed with the thumbnails while [`RenderLoop::record_techniques`] is
-    /// on.
+    /// The techniques apart, renewed with the thumbnails while
+    /// [`record_techniques`](super::RenderLoop::record_techniques) is on.
     pub techniques: Option<Arc<TechniqueFilm>>,
 }
 

@@ -9,10 +9,7 @@
 mod batch_means;
 pub mod contribution;
 pub mod features;
-#[allow(
-    clippy::module_inception,
-    reason = "the room is called by what stands in it"
-)]
+#[allow(clippy::module_inception, reason = "the Film itself")]
 mod film;
 mod frame;
 mod means;

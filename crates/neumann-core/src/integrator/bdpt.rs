@@ -24,9 +24,11 @@ pub static METHOD: Method = Method {
     id: "bdpt",
     title: "BDPT",
     name: "Bidirectional path tracing",
-    about: "Paths are begun at both ends and joined in every possible way, each way weighed by how well it \
+    about: "Paths are begun at both ends and joined in every possible way, each way weighed by \
+            how well it \
             samples the path.",
-    blind_spots: "Lights without extent that are seen, by way of mirrors or smooth glass alone, from the camera, or from \
+    blind_spots: "Lights without extent that are seen, by way of mirrors or smooth glass alone, \
+                  from the camera, or from \
                   a surface seen so: neither end can be aimed at the other.",
     sight: Sight::FULL,
     bias: None,
@@ -45,7 +47,8 @@ pub(super) const HEURISTIC: Parameter = Parameter {
     name: "heuristic",
     title: "Combine by",
     unit: "",
-    about: "How techniques are weighed: by density, by its square, or all alike, which shows why the others matter.",
+    about: "How techniques are weighed: by density, by its square, or all alike, which shows why \
+            the others matter.",
     kind: ParameterKind::Choice {
         default: 0,
         options: &["balance", "power", "average"],

@@ -24,8 +24,10 @@ pub(super) static METHOD: Method = Method {
     id: "drt",
     title: "distributed",
     name: "Distributed ray tracing",
-    about: "Cook's rays spread over lens, lights and glossy lobes: soft shadows, blurred reflections, depth of field.",
-    blind_spots: "Light that two diffuse surfaces hand on to each other: no colour bleeding, no caustics.",
+    about: "Cook's rays spread over lens, lights and glossy lobes: soft shadows, blurred \
+            reflections, depth of field.",
+    blind_spots: "Light that two diffuse surfaces hand on to each other: no colour bleeding, no \
+                  caustics.",
     sight: Sight {
         diffuse_bounces: Some(1),
         ..Sight::FULL
@@ -59,7 +61,8 @@ pub(super) static METHOD: Method = Method {
             name: "glossy-samples",
             title: "glossy samples",
             unit: "",
-            about: "Reflected or transmitted rays from the surface seen first; deeper ones send one.",
+            about: "Reflected or transmitted rays from the surface seen first; deeper ones send \
+                    one.",
             kind: ParameterKind::Integer {
                 default: 4,
                 min: 1,

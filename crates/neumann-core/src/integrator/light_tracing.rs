@@ -15,8 +15,10 @@ pub static METHOD: Method = Method {
     id: "lt",
     title: "light",
     name: "Light tracing",
-    about: "Particles walk from the lights, and every surface they land on is aimed at the lens: caustics come out clean.",
-    blind_spots: "Mirrors and smooth glass seen directly or by way of each other: the lens cannot be aimed at through them. \
+    about: "Particles walk from the lights, and every surface they land on is aimed at the lens: \
+            caustics come out clean.",
+    blind_spots: "Mirrors and smooth glass seen directly or by way of each other: the lens \
+                  cannot be aimed at through them. \
                   Unlit surfaces, and for an orthographic camera the sky.",
     sight: Sight {
         delta_to_camera: false,

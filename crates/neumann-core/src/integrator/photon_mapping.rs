@@ -35,7 +35,8 @@ pub static METHOD: Method = Method {
     id: "pm",
     title: "photons",
     name: "Photon mapping",
-    about: "Photons are traced from the lights and kept; then the light at each surface is read off the photons \
+    about: "Photons are traced from the lights and kept; then the light at each surface is read \
+            off the photons \
             around it.",
     blind_spots: BLIND_SPOTS,
     sight: Sight::FULL,
@@ -50,7 +51,8 @@ pub static METHOD: Method = Method {
             name: "nearest",
             title: "Nearest photons",
             unit: "",
-            about: "Shrink the radius to that many photons where there are more; 0 takes all within the radius.",
+            about: "Shrink the radius to that many photons where there are more; 0 takes all \
+                    within the radius.",
             kind: ParameterKind::Integer {
                 default: 0,
                 min: 0,
@@ -62,7 +64,8 @@ pub static METHOD: Method = Method {
             name: "gather",
             title: "Final gather",
             unit: "rays",
-            about: "Ask the map not where the camera looks but where so many rays from there end; lights are aimed at.",
+            about: "Ask the map not where the camera looks but where so many rays from there \
+                    end; lights are aimed at.",
             kind: ParameterKind::Integer {
                 default: 0,
                 min: 0,
@@ -96,7 +99,8 @@ pub static PROGRESSIVE: Method = Method {
     id: "ppm",
     title: "prog. photons",
     name: "Progressive photon mapping",
-    about: "A new photon map for each iteration, with a smaller radius each time: blur and blotches both go away.",
+    about: "A new photon map for each iteration, with a smaller radius each time: blur and \
+            blotches both go away.",
     blind_spots: BLIND_SPOTS,
     sight: Sight::FULL,
     bias: Some("photons are counted within a radius, which shrinks with every iteration"),
@@ -144,7 +148,8 @@ const ROUGHNESS: Parameter = Parameter {
     name: "roughness",
     title: "Rough enough",
     unit: "",
-    about: "The map is asked at surfaces of at least this roughness; sharper reflections are followed.",
+    about: "The map is asked at surfaces of at least this roughness; sharper reflections are \
+            followed.",
     kind: ParameterKind::Real {
         default: 0.3,
         min: 0.0,
@@ -157,7 +162,8 @@ const SHOW: Parameter = Parameter {
     name: "show",
     title: "Show",
     unit: "",
-    about: "The picture, or the photons themselves as points: by their power, or by the times they were scattered.",
+    about: "The picture, or the photons themselves as points: by their power, or by the times \
+            they were scattered.",
     kind: ParameterKind::Choice {
         default: 0,
         options: &["picture", "power", "bounce"],

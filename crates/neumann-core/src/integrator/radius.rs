@@ -21,7 +21,8 @@ impl Radius {
         name: "radius",
         title: "Radius",
         unit: "",
-        about: "Photons within this distance count: a share of the scene's radius, less where the camera sees \
+        about: "Photons within this distance count: a share of the scene's radius, less where \
+                the camera sees \
                 a small part, or metres.",
         kind: ParameterKind::Real {
             default: 0.003,
@@ -46,7 +47,8 @@ impl Radius {
         name: "alpha",
         title: "Alpha",
         unit: "",
-        about: "How slowly the radius shrinks: its square goes down with the iterations i like i^(alpha - 1); 1 keeps it.",
+        about: "How slowly the radius shrinks: its square goes down with the iterations i like \
+                i^(alpha - 1); 1 keeps it.",
         kind: ParameterKind::Real {
             default: 0.75,
             min: 0.1,

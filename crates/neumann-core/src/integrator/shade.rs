@@ -17,8 +17,10 @@ pub(super) static METHOD: Method = Method {
     id: "shade",
     title: "shade",
     name: "Local shading",
-    about: "What a rasteriser computes: emission and one reflection of every light, without shadows.",
-    blind_spots: "Everything in between: shadows, mirrors and glass, and all light scattered more than once.",
+    about: "What a rasteriser computes: emission and one reflection of every light, without \
+            shadows.",
+    blind_spots: "Everything in between: shadows, mirrors and glass, and all light scattered \
+                  more than once.",
     sight: Sight {
         delta_surfaces: false,
         diffuse_bounces: Some(1),

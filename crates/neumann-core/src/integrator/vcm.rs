@@ -36,9 +36,11 @@ pub static METHOD: Method = Method {
     id: "vcm",
     title: "VCM",
     name: "Vertex connection and merging",
-    about: "Bidirectional path tracing that also merges nearby vertices, as photon mapping does: each way of joining \
+    about: "Bidirectional path tracing that also merges nearby vertices, as photon mapping does: \
+            each way of joining \
             paths counts where it is good.",
-    blind_spots: "Lights without extent seen by way of mirrors or smooth glass alone: nothing can be joined there.",
+    blind_spots: "Lights without extent seen by way of mirrors or smooth glass alone: nothing \
+                  can be joined there.",
     sight: Sight::FULL,
     bias: Some("merging blurs by its radius, which shrinks with every iteration"),
     has_techniques: true,
@@ -57,7 +59,8 @@ pub static METHOD: Method = Method {
             name: "merge",
             title: "Merge vertices",
             unit: "",
-            about: "Join subpaths where their vertices are close; without, it is bidirectional path tracing.",
+            about: "Join subpaths where their vertices are close; without, it is bidirectional \
+                    path tracing.",
             kind: ParameterKind::Switch { default: true },
         },
         HEURISTIC,

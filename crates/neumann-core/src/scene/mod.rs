@@ -14,10 +14,7 @@ pub mod geometry;
 mod lighting;
 pub mod load;
 mod progress;
-#[allow(
-    clippy::module_inception,
-    reason = "the room is called by what stands in it"
-)]
+#[allow(clippy::module_inception, reason = "the Scene itself")]
 mod scene;
 mod sky;
 

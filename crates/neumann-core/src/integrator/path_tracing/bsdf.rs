@@ -17,7 +17,8 @@ pub static METHOD: Method = Method {
     id: "pt-bsdf",
     title: "PT bsdf",
     name: "Path tracing, BSDF sampling",
-    about: "Directions are drawn where the surface scatters most. Light still counts only where a path runs into it.",
+    about: "Directions are drawn where the surface scatters most. Light still counts only where \
+            a path runs into it.",
     blind_spots: "Lights without extent: no path runs into them by chance.",
     sight: Sight {
         punctual_lights: false,

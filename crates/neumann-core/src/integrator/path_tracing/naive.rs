@@ -26,9 +26,11 @@ pub static METHOD: Method = Method {
     id: "naive",
     title: "naive",
     name: "Naive path tracing",
-    about: "The recursion of the rendering equation as on the slide: a uniform direction at every hit, \
+    about: "The recursion of the rendering equation as on the slide: a uniform direction at \
+            every hit, \
             and light only where a path happens to run into it.",
-    blind_spots: "Lights without extent, and mirrors and smooth glass: a uniform direction never finds them.",
+    blind_spots: "Lights without extent, and mirrors and smooth glass: a uniform direction never \
+                  finds them.",
     sight: Sight {
         punctual_lights: false,
         delta_surfaces: false,

@@ -22,8 +22,10 @@ pub static METHOD: Method = Method {
     id: "pt-nee",
     title: "PT nee",
     name: "Path tracing, next-event estimation",
-    about: "At every hit a light is aimed at. Paths no longer have to run into small lights by chance.",
-    blind_spots: "Lights without extent by way of a mirror or smooth glass: neither can be aimed at the other.",
+    about: "At every hit a light is aimed at. Paths no longer have to run into small lights by \
+            chance.",
+    blind_spots: "Lights without extent by way of a mirror or smooth glass: neither can be aimed \
+                  at the other.",
     sight: Sight::FULL,
     bias: None,
     has_techniques: false,
@@ -40,7 +42,8 @@ pub(in crate::integrator) const LIGHTS: Parameter = Parameter {
     name: "lights",
     title: "Choose lights",
     unit: "",
-    about: "The light to aim at is chosen by what it may send to the point, found in a tree, or by its power alone.",
+    about: "The light to aim at is chosen by what it may send to the point, found in a tree, or \
+            by its power alone.",
     kind: ParameterKind::Choice {
         default: 0,
         options: &["tree", "power"],

@@ -29,9 +29,11 @@ pub static METHOD: Method = Method {
     id: "pt-mis",
     title: "PT mis",
     name: "Path tracing, multiple importance sampling",
-    about: "Lights are aimed at and run into, each way weighed by how well it samples the direction: \
+    about: "Lights are aimed at and run into, each way weighed by how well it samples the \
+            direction: \
             small lights and sharp reflections both come out clean.",
-    blind_spots: "Lights without extent by way of a mirror or smooth glass: neither can be aimed at the other.",
+    blind_spots: "Lights without extent by way of a mirror or smooth glass: neither can be aimed \
+                  at the other.",
     sight: Sight::FULL,
     bias: None,
     has_techniques: false,
@@ -65,7 +67,8 @@ const CASTERS: Parameter = Parameter {
     name: "casters",
     title: "Aim at mirrors and glass",
     unit: "",
-    about: "Diffuse surfaces send up to a quarter of their paths to mirrors and smooth glass, where caustics come from.",
+    about: "Diffuse surfaces send up to a quarter of their paths to mirrors and smooth glass, \
+            where caustics come from.",
     kind: ParameterKind::Switch { default: true },
 };
 
@@ -81,8 +84,10 @@ const ADAPTIVE: Parameter = Parameter {
     name: "adaptive",
     title: "Adaptive sampling",
     unit: "",
-    about: "Four paths a pixel and iteration, from the fifth iteration on more of them where the first four were noisy. \
-            Unbiased: what was measured and what is sampled by it have random numbers of their own.",
+    about: "Four paths a pixel and iteration, from the fifth iteration on more of them where the \
+            first four were noisy. \
+            Unbiased: what was measured and what is sampled by it have random numbers of their \
+            own.",
     kind: ParameterKind::Switch { default: false },
 };
 

@@ -71,7 +71,7 @@ impl Radius {
 
     /// The radius of iteration number `iteration`, metres: `r = r_1 (i + 1)^((α - 1) / 2)`, which
     /// is how that of Knaus and Zwicker 2011 shrinks in the end, and depends on the number of the
-    /// iteration alone. A relative radius is a share of the scene's radius, or of eight times what
+    /// iteration alone. A relative radius is a share of the scene's radius, or of 48 times what
     /// `camera` sees, which is less where a small thing stands on a wide floor; but no less than a
     /// pixel is wide there, or photons would be too few.
     #[must_use]
@@ -94,7 +94,7 @@ impl Radius {
 
 /// What the camera sees counts as so many times wider, so that a view of a whole scene leaves the
 /// scene's radius as it is.
-const SEEN: f32 = 8.0;
+const SEEN: f32 = 48.0;
 /// Width of a disk over the median distance of its points from the middle: `2 √2`.
 const WIDTH_SEEN: f32 = 2.828;
 

@@ -13,8 +13,8 @@ use neumann_core::integrator::METHODS;
 use neumann_core::radiometry::Rgb;
 use neumann_core::scene::Scene;
 use neumann_core::scene::description::{
-    AlphaMode, Filter, ImageDescription, MaterialDescription, MeshDescription, TextureDescription,
-    Wrap,
+    AlphaMode, EnvironmentDescription, Filter, ImageDescription, MaterialDescription,
+    MeshDescription, TextureDescription, Wrap,
 };
 use neumann_tests::lights::{BOUNDS, CORNERS, light_sample};
 use neumann_tests::random::Random;
@@ -341,6 +341,42 @@ fn lamps_shine_through_their_coverage() {
         }
     }
     assert!(family.len() > 100, "only {} questions", family.len());
+    family.judge();
+}
+
+/// Half-transparent lamps in a row, and a sky behind them: each is dimmed by those before it. To
+/// methods that wait for light it comes without noise, whichever of the lamps stop a ray.
+#[test]
+fn lamps_in_a_row_dim_each_other() {
+    let mut stage = Stage::default();
+    for (z, radiance, alpha) in [(0.0, 10.0, 0.25), (-1.0, 20.0, 0.5), (-2.0, 0.0, 0.2)] {
+        let lamp = MaterialDescription {
+            alpha,
+            alpha_mode: AlphaMode::Blend,
+            ..emitter(radiance)
+        };
+        let sheet = rectangle(Vec3::Z * z, Vec3::X * 9.0, Vec3::Y * 9.0);
+        stage.add("sheet", sheet, lamp);
+    }
+    stage.description.environment = Some(EnvironmentDescription::uniform(Rgb::WHITE));
+    stage.description.cameras = vec![looking(Vec3::Z, Vec3::ZERO)];
+    let scene = stage.scene();
+    let expected = 0.25 * 10.0 + 0.75 * (0.5 * 20.0 + 0.5 * 0.8 * 1.0);
+    let mut family = Family::default();
+    for &method in METHODS {
+        let film = Setup::new(&scene, 16, 16).by(method).up_to(0);
+        let found = film.batches(8, 8, 71).layer(0)[0];
+        family.add(
+            found.p_value(expected, 1e-5),
+            format!("{}: {found:?}, {expected}", method.id),
+        );
+        if ["naive", "pt-bsdf"].contains(&method.id) {
+            for pixel in film.film(0, 1).layer(0) {
+                let off = (f64::from(pixel.r) - expected).abs();
+                assert!(off <= 1e-5, "{}: {pixel:?}, {expected}", method.id);
+            }
+        }
+    }
     family.judge();
 }
 

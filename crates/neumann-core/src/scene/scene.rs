@@ -340,7 +340,14 @@ impl Scene {
         self.openness.sees_through_backs
     }
 
-    /// True if either is.
+    /// True if there are surfaces that emit light and may let rays pass.
+    #[inline]
+    #[must_use]
+    pub fn has_covered_emitters(&self) -> bool {
+        self.openness.has_covered_emitters
+    }
+
+    /// True if any ray may pass through some surface, or those of the camera may.
     #[inline]
     #[must_use]
     pub(crate) fn lets_rays_pass(&self) -> bool {
@@ -411,6 +418,8 @@ impl Scene {
 struct Openness {
     /// Any.
     has_alpha: bool,
+    /// Any, through surfaces that emit light.
+    has_covered_emitters: bool,
     /// Those of the camera, if it looks through backs.
     has_backs: bool,
     /// Those of the camera.
@@ -431,6 +440,7 @@ impl Openness {
         let has_alpha = any(Material::has_alpha) || (sees_through_backs && any(is_drawn));
         Self {
             has_alpha,
+            has_covered_emitters: any(|m| m.has_alpha() && m.is_emissive()),
             has_backs,
             sees_through_backs,
             lets_rays_pass: has_alpha || sees_through_backs,

@@ -193,6 +193,38 @@ impl<'a> Tracer<'a> {
         }
     }
 
+    /// Emitted radiance that comes along a ray: of what it has met, or of the environment.
+    ///
+    /// Surfaces that cover a part of their area stop rays by chance. Where such surfaces emit, and
+    /// no medium absorbs, the mean over all that may stop the ray is computed here. It has less
+    /// noise than the emission of the one surface that was met.
+    #[inline]
+    pub fn emitted_along(&mut self, ray: &Ray, met: Option<&SurfaceVertex<'_>>) -> Rgb {
+        if self.scene.has_covered_emitters() && self.scene.bodies().is_empty() {
+            return self.emitted_through_covers(ray);
+        }
+        match met {
+            Some(vertex) => self.emitted(vertex),
+            None => self.scene.lights().environment_radiance(ray.direction()),
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn emitted_through_covers(&mut self, ray: &Ray) -> Rgb {
+        let mut sum = Rgb::BLACK;
+        let mut transmittance = 1.0;
+        for hit in self.crossings(ray) {
+            let opacity = self.opacity(ray, &hit);
+            sum += self.emitted(&self.surface_vertex(ray, &hit)) * (transmittance * opacity);
+            transmittance *= 1.0 - opacity;
+            if transmittance == 0.0 {
+                return sum;
+            }
+        }
+        sum + self.scene.lights().environment_radiance(ray.direction()) * transmittance
+    }
+
     #[inline(never)]
     fn emitted_by_texture(&self, vertex: &SurfaceVertex<'_>) -> Rgb {
         vertex.material.emitted(&self.attributes(vertex).inputs())

@@ -53,27 +53,26 @@ impl PixelIntegrator for Naive {
         sink: &mut PixelSink<'_>,
     ) {
         let Shot {
-            scene,
             camera,
             max_bounces,
+            ..
         } = *shot;
         pixels.one_by_one(sink, |sample, sampler, sink| {
             let mut ray = camera.ray(sample.raster, sampler.start().lens).ray;
             let mut throughput = Rgb::WHITE;
             let mut media = tracer.begin_at_camera(&ray);
             for bounce in 0..=max_bounces {
-                // What does the ray meet? Nothing: the environment emits.
-                let Some(vertex) = tracer.meet(&ray, &mut media, &mut throughput) else {
-                    let radiance = scene.lights().environment_radiance(ray.direction());
-                    sink.add(hit(bounce, throughput * radiance, 1.0));
+                // L_e of what the ray meets, or of the environment, after `bounce` applications
+                // of T.
+                let met = tracer.meet(&ray, &mut media, &mut throughput);
+                let emitted = tracer.emitted_along(&ray, met.as_ref());
+                sink.add(hit(bounce, throughput * emitted, 1.0));
+                let Some(vertex) = met else {
                     return;
                 };
                 if bounce == 0 {
                     add_unlit(tracer, &vertex, sink);
                 }
-
-                // L_e, after `bounce` applications of T.
-                sink.add(hit(bounce, throughput * tracer.emitted(&vertex), 1.0));
 
                 // Draw a direction uniformly.
                 let u = sampler.bounce(bounce).direction;

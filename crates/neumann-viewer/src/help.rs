@@ -1,12 +1,19 @@
 //! The help page: every key, from the table that drives them.
 
-use egui::{Align2, Area, Id, Key, Order, Rect, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
+use egui::{
+    Align2, Area, Id, Key, Order, Painter, Pos2, Rect, Role, ScrollArea, Sense, StrokeKind, Ui,
+    UiBuilder, Vec2, WidgetInfo, pos2, vec2,
+};
 
-use crate::keys;
+use crate::keys::{self, HelpLine, Places};
 use crate::theme::{self, GRID, Palette};
 
-/// Draws the page over the window; a click closes it.
-pub fn show(ui: &Ui, is_open: &mut bool) {
+/// Width of a column, and where texts begin in it.
+const COLUMN: f32 = 292.0;
+const TEXT: f32 = 96.0;
+
+/// Draws the page over the window; a click closes it. Keys are named as `places` prints them.
+pub fn show(ui: &Ui, is_open: &mut bool, places: &Places) {
     let p = Palette::of(ui);
     let window = ui.ctx().content_rect();
     Area::new(Id::unique("help"))
@@ -16,88 +23,135 @@ pub fn show(ui: &Ui, is_open: &mut bool) {
             let response = ui.allocate_rect(window, Sense::click());
             let painter = ui.painter();
             painter.rect_filled(window, 0, p.ground.gamma_multiply(0.7));
-            let groups: Vec<&str> = keys::lines().fold(Vec::new(), |mut groups, line| {
-                if groups.last() != Some(&line.group) {
-                    groups.push(line.group);
-                }
-                groups
+            let page = Page::new(places, window.size());
+            let plate = Rect::from_center_size(window.center(), page.size().min(window.size()));
+            painter.rect(plate, 8, p.panel, (1.0, p.line), StrokeKind::Inside);
+            let inside = UiBuilder::new().max_rect(plate.shrink2(vec2(0.0, GRID)));
+            ui.scope_builder(inside, |ui| {
+                ScrollArea::vertical().show(ui, |ui| {
+                    let room = page.size() - vec2(0.0, 2.0 * GRID);
+                    let (at, _) = ui.allocate_exact_size(room, Sense::hover());
+                    page.draw(ui.painter(), at.min + vec2(3.0 * GRID, GRID), &p);
+                });
             });
-            let is_tight = window.height() < 700.0;
-            let row = if is_tight { 18.0 } else { 22.0 };
-            let n_columns = if window.width() >= 1100.0 { 3 } else { 2 };
-            let columns = columns(&groups, n_columns);
-            let column_width = 292.0;
-            let n_rows = columns.iter().map(|c| n_rows(c)).max().unwrap_or(0) as f32;
-            let size = Vec2::new(
-                column_width * n_columns as f32 + 3.0 * GRID,
-                n_rows * row + 4.0 * GRID,
-            );
-            let plate = Rect::from_center_size(window.center(), size.min(window.size()));
-            painter.rect(plate, 8, p.panel, (1.0, p.line), egui::StrokeKind::Inside);
-            let mut spoken = String::new();
-            for (i, column) in columns.iter().enumerate() {
-                let x = plate.left() + 3.0 * GRID + column_width * i as f32;
-                let mut y = plate.top() + 2.0 * GRID;
-                for group in column {
-                    let at = pos2(x, y + row / 2.0);
-                    painter.text(at, Align2::LEFT_CENTER, group, theme::semibold(), p.text);
-                    y += row;
-                    for line in keys::lines().filter(|line| line.group == *group) {
-                        let center = y + row / 2.0;
-                        let keys = pos2(x, center);
-                        painter.text(keys, Align2::LEFT_CENTER, line.keys, theme::small(), p.text);
-                        let text = pos2(x + 96.0, center);
-                        let wide = painter.layout(
-                            line.text.to_owned(),
-                            theme::small(),
-                            p.weak,
-                            column_width - 96.0 - GRID,
-                        );
-                        let height = wide.size().y;
-                        let n_lines = (height / 14.0).round().max(1.0);
-                        let top = if n_lines > 1.0 {
-                            y + 3.0
-                        } else {
-                            text.y - height / 2.0
-                        };
-                        painter.galley(pos2(text.x, top), wide, p.weak);
-                        y += row + (n_lines - 1.0) * 14.0;
-                        spoken.push_str(&format!("{}: {}; ", line.keys, line.text));
-                    }
-                    y += row * 0.5;
-                }
-            }
             response.widget_info(|| WidgetInfo::labeled(Role::Dialog, true, "keys"));
-            response
-                .ctx
-                .accesskit_node_builder(response.id, |node| node.set_description(spoken.as_str()));
+            response.ctx.accesskit_node_builder(response.id, |node| {
+                node.set_description(page.spoken().as_str());
+            });
             if response.clicked() || ui.input(|i| i.key_pressed(Key::Enter)) {
                 *is_open = false;
             }
         });
 }
 
-/// Rows that a column takes, a blank half between groups rounded up.
-fn n_rows(groups: &[&str]) -> usize {
-    let lines = keys::lines().filter(|line| groups.contains(&line.group));
-    lines.count() + groups.len() + groups.len().div_ceil(2) + 1
+/// What stands on the page.
+struct Page {
+    columns: Vec<Vec<Group>>,
+    row: f32,
 }
 
-/// Groups in columns of about the same length, in order.
-fn columns<'a>(groups: &[&'a str], n_columns: usize) -> Vec<Vec<&'a str>> {
-    let target = n_rows(groups).div_ceil(n_columns);
-    let mut columns: Vec<Vec<&str>> = vec![Vec::new()];
-    for group in groups {
-        let is_last = columns.len() == n_columns;
-        let Some(column) = columns.last_mut() else {
-            break;
-        };
-        let mut longer = column.clone();
-        longer.push(group);
-        if !column.is_empty() && n_rows(&longer) > target + 4 && !is_last {
-            columns.push(vec![group]);
-        } else {
-            *column = longer;
+struct Group {
+    name: &'static str,
+    lines: Vec<(String, &'static HelpLine)>,
+}
+
+impl Page {
+    fn new(places: &Places, window: Vec2) -> Self {
+        let mut groups: Vec<Group> = Vec::new();
+        for line in keys::lines() {
+            let Some(keys) = places.keys(line) else {
+                continue;
+            };
+            let line = (keys.into_owned(), line);
+            match groups.last_mut() {
+                Some(group) if group.name == line.1.group => group.lines.push(line),
+                _ => groups.push(Group {
+                    name: line.1.group,
+                    lines: vec![line],
+                }),
+            }
+        }
+        let n_columns = if window.x >= 1100.0 { 3 } else { 2 };
+        Self {
+            columns: columns(groups, n_columns),
+            row: if window.y < 700.0 { 18.0 } else { 22.0 },
+        }
+    }
+
+    fn size(&self) -> Vec2 {
+        let rows = self.columns.iter().map(|groups| {
+            let rows: f32 = groups.iter().map(Group::n_rows).sum();
+            rows - BETWEEN
+        });
+        vec2(
+            COLUMN * self.columns.len() as f32 + 3.0 * GRID,
+            rows.fold(0.0, f32::max) * self.row + 4.0 * GRID,
+        )
+    }
+
+    fn draw(&self, painter: &Painter, origin: Pos2, p: &Palette) {
+        for (i, groups) in self.columns.iter().enumerate() {
+            let x = origin.x + COLUMN * i as f32;
+            let mut y = origin.y + self.row / 2.0;
+            for group in groups {
+                let write = |x, y, text: &str, font, colour| {
+                    painter.text(pos2(x, y), Align2::LEFT_CENTER, text, font, colour);
+                };
+                write(x, y, group.name, theme::semibold(), p.text);
+                y += self.row;
+                for (keys, line) in &group.lines {
+                    write(x, y, keys, theme::small(), p.text);
+                    write(x + TEXT, y, line.text, theme::small(), p.weak);
+                    y += self.row;
+                }
+                y += self.row * BETWEEN;
+            }
+        }
+    }
+
+    fn spoken(&self) -> String {
+        let lines = self.columns.iter().flatten().flat_map(|group| &group.lines);
+        let spoken = lines.map(|(keys, line)| format!("{keys}: {}", line.text));
+        spoken.collect::<Vec<_>>().join("; ")
+    }
+}
+
+/// Rows that are left free between groups.
+const BETWEEN: f32 = 0.5;
+
+impl Group {
+    fn n_rows(&self) -> f32 {
+        self.lines.len() as f32 + 1.0 + BETWEEN
+    }
+}
+
+/// Groups in columns, in order, the longest of which is as short as can be.
+fn columns(groups: Vec<Group>, n_columns: usize) -> Vec<Vec<Group>> {
+    let rows: Vec<f32> = groups.iter().map(Group::n_rows).collect();
+    let fits = |most: f32| {
+        let (mut n, mut filled) = (1, 0.0);
+        for rows in &rows {
+            if filled + rows > most {
+                (n, filled) = (n + 1, 0.0);
+            }
+            filled += rows;
+        }
+        n <= n_columns
+    };
+    let mut most = rows.iter().copied().fold(0.0, f32::max);
+    while !fits(most) {
+        most += BETWEEN;
+    }
+    let mut columns: Vec<Vec<Group>> = vec![Vec::new()];
+    let mut filled = 0.0;
+    for (group, rows) in groups.into_iter().zip(rows) {
+        if filled + rows > most {
+            columns.push(Vec::new());
+            filled = 0.0;
+        }
+        filled += rows;
+        if let Some(column) = columns.last_mut() {
+            column.push(group);
         }
     }
     columns

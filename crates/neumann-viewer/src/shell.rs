@@ -8,7 +8,7 @@ use std::sync::Arc;
 use egui::Context;
 
 use crate::gallery::Gallery;
-use crate::keys::Action;
+use crate::keys::{Action, Places};
 use crate::notices::Notices;
 use crate::panels::Page;
 use crate::recent::Recent;
@@ -22,6 +22,8 @@ pub struct Shell {
     pub is_bare: bool,
     /// The help page is shown.
     pub is_help_open: bool,
+    /// What the keyboard prints, for the help page.
+    pub places: Places,
     /// The menu of methods is open.
     pub is_menu_open: bool,
     /// What stands in the text fields.
@@ -81,6 +83,7 @@ impl Shell {
             page: Page::default(),
             is_bare: false,
             is_help_open: false,
+            places: Places::default(),
             is_menu_open: false,
             fields: Fields::default(),
             material: None,

@@ -11,11 +11,14 @@ use std::time::{Duration, Instant};
 use egui::{Context, ViewportId};
 use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
-use winit::event::{StartCause, WindowEvent};
+use winit::event::{KeyEvent, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::keyboard::{Key, PhysicalKey};
+use winit::platform::modifier_supplement::KeyEventExtModifierSupplement;
 use winit::window::{Fullscreen, Window, WindowId};
 
 use crate::app::App;
+use crate::keys::Places;
 use crate::onlooker::{Nudge, Onlooker};
 use crate::options::{ViewError, ViewOptions};
 use crate::recent::Recent;
@@ -144,6 +147,7 @@ impl Handler<'_> {
             let _ = proxy.send_event(Event::Wake);
         });
         app.shell.recent = Recent::load();
+        app.shell.places = Places::of_display();
         app.open_first_scene();
         // The scene is read while the graphics device gets ready.
         let start = Instant::now();
@@ -216,6 +220,7 @@ impl ApplicationHandler<Event> for Handler<'_> {
             WindowEvent::Resized(PhysicalSize { width, height }) => {
                 running.surface.resize(*width, *height);
             }
+            WindowEvent::KeyboardInput { event, .. } => running.learn(event),
             _ => {}
         }
         if running
@@ -359,6 +364,15 @@ impl Running {
 
     fn wake_at(&mut self, at: Instant) {
         self.next = Some(self.next.map_or(at, |next| next.min(at)));
+    }
+
+    /// Takes over what a key prints, for the help page.
+    fn learn(&mut self, event: &KeyEvent) {
+        if let (PhysicalKey::Code(place), Key::Character(printed)) =
+            (event.physical_key, event.key_without_modifiers())
+        {
+            self.app.shell.places.learn(place, &printed);
+        }
     }
 
     fn take_accesskit(&mut self, event: accesskit_winit::Event) {

@@ -1,6 +1,6 @@
 //! The real window under a virtual display: it opens, draws, answers keys, and closes.
 //!
-//! Needs Xvfb, xdotool, `import` (of `ImageMagick`) and a graphics driver. Where one of them is
+//! Needs Xvfb, xdotool, setxkbmap, `import` (of `ImageMagick`) and a graphics driver. Where one of them is
 //! missing the test says so and passes, unless `CI` is set.
 
 #![cfg(feature = "window")]
@@ -13,6 +13,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use neumann_picture::image_file::read_image;
+use neumann_picture::state::State;
 
 /// A child process that does not outlive the test.
 struct Guard(Child);
@@ -55,9 +56,10 @@ impl Display {
         while stdout.read(&mut byte).ok()? == 1 && byte[0] != b'\n' {
             number.push(byte[0]);
         }
-        let name = format!(":{}", String::from_utf8(number).ok()?.trim());
-        let folder =
-            std::env::temp_dir().join(format!("neumann-window-test-{}", std::process::id()));
+        let number = String::from_utf8(number).ok()?.trim().to_owned();
+        let name = format!(":{number}");
+        let folder = format!("neumann-window-test-{}-{number}", std::process::id());
+        let folder = std::env::temp_dir().join(folder);
         std::fs::create_dir_all(&folder).ok()?;
         Some(Self {
             _server: Guard(server),
@@ -117,8 +119,14 @@ fn n_red(pixels: &[[f32; 3]]) -> usize {
     picture.iter().filter(is_red).count()
 }
 
-#[test]
-fn the_window_opens_draws_answers_keys_and_closes() {
+/// The window with a scene in it, on a display of its own.
+struct Opened {
+    display: Display,
+    program: Guard,
+}
+
+/// `None` if a tool is missing here.
+fn open(scene: &str) -> Option<Opened> {
     let has = |tool: &str| {
         Command::new(tool)
             .arg("-version")
@@ -128,15 +136,19 @@ fn the_window_opens_draws_answers_keys_and_closes() {
             .is_ok()
     };
     let is_ci = std::env::var_os("CI").is_some();
-    if !(has("Xvfb") && has("xdotool") && has("import")) {
-        assert!(!is_ci, "Xvfb, xdotool and import must be there");
-        eprintln!("left out: needs Xvfb, xdotool and ImageMagick");
-        return;
+    if !["Xvfb", "xdotool", "import", "setxkbmap"]
+        .into_iter()
+        .all(has)
+    {
+        assert!(!is_ci, "Xvfb, xdotool, import and setxkbmap must be there");
+        eprintln!("left out: needs Xvfb, xdotool, setxkbmap and ImageMagick");
+        return None;
     }
     let display = Display::open().unwrap();
     let mut program = Guard(
         Command::new(env!("CARGO_BIN_EXE_neumann"))
-            .args(["view", "cornell"])
+            .args(["view", scene])
+            .current_dir(&display.folder)
             .env("DISPLAY", &display.name)
             .env_remove("WAYLAND_DISPLAY")
             .env("HOME", &display.folder)
@@ -145,8 +157,6 @@ fn the_window_opens_draws_answers_keys_and_closes() {
             .spawn()
             .unwrap(),
     );
-
-    // It opens.
     let window = display.wait_for("window", |d| {
         if let Some(status) = program.0.try_wait().unwrap() {
             let mut text = String::new();
@@ -159,6 +169,31 @@ fn the_window_opens_draws_answers_keys_and_closes() {
         found.lines().next().map(str::to_owned)
     });
     display.tool("xdotool", &["windowfocus", &window]);
+    Some(Opened { display, program })
+}
+
+impl Opened {
+    fn press(&self, keys: &str) {
+        self.display.tool("xdotool", &["key", keys]);
+    }
+
+    /// Closes it by its key; it ends well.
+    fn close(mut self) {
+        self.press("ctrl+q");
+        let status = self
+            .display
+            .wait_for("end", |_| self.program.0.try_wait().unwrap());
+        assert!(status.success(), "{status}");
+        let _ = std::fs::remove_dir_all(&self.display.folder);
+    }
+}
+
+#[test]
+fn the_window_opens_draws_answers_keys_and_closes() {
+    let Some(opened) = open("cornell") else {
+        return;
+    };
+    let display = &opened.display;
 
     // It draws: the middle of the red wall is red.
     let total = display.wait_for("picture", |d| {
@@ -167,16 +202,53 @@ fn the_window_opens_draws_answers_keys_and_closes() {
     });
 
     // A key changes the view: emission alone has no red wall.
-    display.tool("xdotool", &["key", "0"]);
+    opened.press("0");
     let emitted = display.wait_for("emission alone", |d| {
         let pixels = d.pixels("emitted.png");
         (n_red(&pixels) < 500).then_some(pixels)
     });
     assert!(difference(&total, &emitted) > 0.02);
+    opened.close();
+}
 
-    // And it closes.
-    display.tool("xdotool", &["key", "ctrl+q"]);
-    let status = display.wait_for("end", |_| program.0.try_wait().unwrap());
-    assert!(status.success(), "{status}");
-    let _ = std::fs::remove_dir_all(&display.folder);
+/// Codes of keys as an X server counts them: where they are, whatever they print.
+const DIGIT_1: &str = "10";
+const DIGIT_4: &str = "13";
+const DIGIT_6: &str = "15";
+const DIGIT_7: &str = "16";
+
+/// The same places show the same parts of the series on every keyboard; saved states tell which.
+#[test]
+fn digits_are_places_on_every_keyboard() {
+    let Some(opened) = open("furnace") else {
+        return;
+    };
+    let display = &opened.display;
+    let state = |after: &str| {
+        opened.press("ctrl+shift+s");
+        display.wait_for(&format!("state after {after}"), |d| {
+            let files = std::fs::read_dir(&d.folder).unwrap();
+            let mut files = files.map(|file| file.unwrap().path());
+            let path = files.find(|path| path.extension().is_some_and(|e| e == "json"))?;
+            let state = State::read(&path).ok()?.0;
+            std::fs::remove_file(path).unwrap();
+            Some(state)
+        })
+    };
+    for layout in ["us", "de", "fr", "cz"] {
+        display.tool("setxkbmap", &["-display", &display.name, layout]);
+        for (keys, part) in [
+            (vec![DIGIT_4], "T4"),
+            (vec!["shift", DIGIT_1], "upto:1"),
+            (vec![DIGIT_6], "T6"),
+            (vec!["shift", DIGIT_7], "upto:7"),
+            (vec![DIGIT_1], "T1"),
+        ] {
+            opened.press(&keys.join("+"));
+            let state = state(&format!("{keys:?} on {layout}"));
+            assert_eq!(state.part, part, "{keys:?} on {layout}");
+            assert_eq!(state.magnified, None, "{keys:?} on {layout}");
+        }
+    }
+    opened.close();
 }

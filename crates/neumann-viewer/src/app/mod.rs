@@ -161,7 +161,7 @@ impl App {
             self.accept(offer);
         }
         if self.shell.is_help_open {
-            help::show(ui, &mut self.shell.is_help_open);
+            help::show(ui, &mut self.shell.is_help_open, &self.shell.places);
         }
         self.shell.had_focus = ctx.memory(|m| m.focused().is_some());
         self.session.start_if_changed();

@@ -2,12 +2,14 @@
 //!
 //! Lines of the window are rows of [`HELP`]; those of views stand in their own rows of `VIEWS`.
 
+mod places;
 mod table;
 
 use egui::{Context, Event, Key, Modifiers};
 
 use crate::views::VIEWS;
 
+pub use places::Places;
 pub use table::HELP;
 pub(crate) use table::{DISPLAY, NONE, line, on};
 
@@ -119,17 +121,18 @@ pub fn take_actions(ctx: &Context) -> Vec<Action> {
     let mut has_taken_tab = false;
     ctx.input_mut(|input| {
         input.events.retain(|event| {
-            let (key, modifiers) = match event {
+            let (key, place, modifiers) = match event {
                 Event::Copy if !is_typing => {
                     actions.push(Action::Copy);
                     return false;
                 }
                 Event::Key {
                     key,
+                    physical_key,
                     pressed: true,
                     modifiers,
                     ..
-                } => (*key, *modifiers),
+                } => (*key, *physical_key, *modifiers),
                 _ => return true,
             };
             let belongs_to_control = if is_typing {
@@ -150,7 +153,7 @@ pub fn take_actions(ctx: &Context) -> Vec<Action> {
             if belongs_to_control {
                 return true;
             }
-            let Some(binding) = all().find(|b| b.key == key && same(modifiers, b.modifiers)) else {
+            let Some(binding) = places::binding(key, place, modifiers) else {
                 return true;
             };
             has_taken_tab |= key == Key::Tab;
@@ -194,7 +197,11 @@ fn is_function_key(key: Key) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{all, same};
+    use egui::{Key, Modifiers};
+    use winit::keyboard::KeyCode;
+
+    use super::places::binding;
+    use super::{Action, Places, all, lines, same};
 
     #[test]
     fn no_key_does_two_things() {
@@ -205,5 +212,122 @@ mod tests {
                 assert!(!clash, "{:?} and {:?}", a.action, b.action);
             }
         }
+    }
+
+    /// What egui tells of a key: by the name of what is printed, else by the name of its place.
+    #[test]
+    fn keys_do_the_same_on_all_keyboards() {
+        const NONE: Modifiers = Modifiers::NONE;
+        const SHIFT: Modifiers = Modifiers::SHIFT;
+        let cases = [
+            ("us 4", Key::Num4, Key::Num4, NONE, Some(Action::Term(4))),
+            (
+                "us !",
+                Key::Exclamationmark,
+                Key::Num1,
+                SHIFT,
+                Some(Action::Upto(1)),
+            ),
+            (
+                "us ?",
+                Key::Questionmark,
+                Key::Slash,
+                SHIFT,
+                Some(Action::Help),
+            ),
+            (
+                "us =",
+                Key::Equals,
+                Key::Equals,
+                NONE,
+                Some(Action::Zoom(1)),
+            ),
+            ("fr '", Key::Quote, Key::Num4, NONE, Some(Action::Term(4))),
+            ("fr -", Key::Minus, Key::Num6, NONE, Some(Action::Term(6))),
+            ("fr 4", Key::Num4, Key::Num4, SHIFT, Some(Action::Upto(4))),
+            (
+                "fr ^",
+                Key::OpenBracket,
+                Key::OpenBracket,
+                NONE,
+                Some(Action::Method(-1)),
+            ),
+            (
+                "fr [",
+                Key::OpenBracket,
+                Key::Num5,
+                NONE,
+                Some(Action::Method(-1)),
+            ),
+            ("fr W", Key::W, Key::Z, NONE, None),
+            ("de /", Key::Slash, Key::Num7, SHIFT, Some(Action::Upto(7))),
+            (
+                "de ?",
+                Key::Questionmark,
+                Key::Minus,
+                SHIFT,
+                Some(Action::Help),
+            ),
+            (
+                "de ]",
+                Key::CloseBracket,
+                Key::Num9,
+                NONE,
+                Some(Action::Method(1)),
+            ),
+            (
+                "de +",
+                Key::Plus,
+                Key::CloseBracket,
+                NONE,
+                Some(Action::Zoom(1)),
+            ),
+            (
+                "de ü",
+                Key::OpenBracket,
+                Key::OpenBracket,
+                NONE,
+                Some(Action::Method(-1)),
+            ),
+            ("de -", Key::Minus, Key::Slash, NONE, Some(Action::Zoom(-1))),
+            ("de Z", Key::Z, Key::Y, NONE, Some(Action::ZoomFit)),
+            ("cz +", Key::Plus, Key::Num1, NONE, Some(Action::Term(1))),
+            ("cz 1", Key::Num1, Key::Num1, SHIFT, Some(Action::Upto(1))),
+            (
+                "number pad",
+                Key::Num7,
+                Key::Num7,
+                NONE,
+                Some(Action::Term(7)),
+            ),
+            (
+                "its arrow",
+                Key::ArrowLeft,
+                Key::Num4,
+                NONE,
+                Some(Action::Step(-1)),
+            ),
+        ];
+        for (what, printed, place, held, expected) in cases {
+            let found = binding(printed, Some(place), held).map(|b| b.action);
+            assert_eq!(found, expected, "{what}");
+        }
+    }
+
+    #[test]
+    fn the_help_page_names_keys_as_they_are_printed() {
+        let brackets = lines().find(|line| line.keys == "[ ]").expect("a line");
+        let printed = |left, right| {
+            let mut places = Places::default();
+            places.learn(KeyCode::BracketLeft, left);
+            places.learn(KeyCode::BracketRight, right);
+            places.keys(brackets).map(std::borrow::Cow::into_owned)
+        };
+        assert_eq!(printed("[", "]").as_deref(), Some("[ ]"));
+        assert_eq!(printed("^", "$").as_deref(), Some("^ $"));
+        assert_eq!(printed("ú", ")").as_deref(), Some("ú )"));
+        // The second one magnifies.
+        assert_eq!(printed("ü", "+"), None);
+        assert_eq!(Places::default().keys(brackets).as_deref(), Some("[ ]"));
     }
 }

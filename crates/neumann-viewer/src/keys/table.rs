@@ -110,6 +110,15 @@ pub static HELP: &[HelpLine] = &[
     ),
     line(
         RENDERING,
+        "M  Shift M",
+        "method after, before",
+        &[
+            on(NONE, Key::M, Action::Method(1)),
+            on(SHIFT, Key::M, Action::Method(-1)),
+        ],
+    ),
+    line(
+        RENDERING,
         "Space",
         "pause, go on",
         &[on(NONE, Key::Space, Action::Pause)],
@@ -123,7 +132,7 @@ pub static HELP: &[HelpLine] = &[
     line(CAMERA, "drag", "orbit", &[]),
     line(CAMERA, "Shift drag", "pan (or the middle button)", &[]),
     line(CAMERA, "wheel", "dolly", &[]),
-    line(CAMERA, "Alt click", "focus the lens there", &[]),
+    line(CAMERA, "Ctrl click", "focus the lens there", &[]),
     line(CAMERA, "W A S D", "fly; PgUp PgDn up and down", &[]),
     line(
         CAMERA,
@@ -226,9 +235,9 @@ pub static HELP: &[HelpLine] = &[
     ),
     line(
         FILES,
-        "Ctrl Alt S",
+        "Ctrl Shift P",
         "save the series as a sheet",
-        &[on(CTRL.plus(Modifiers::ALT), Key::S, Action::SaveSheet)],
+        &[on(CTRL.plus(SHIFT), Key::P, Action::SaveSheet)],
     ),
     line(
         FILES,
@@ -256,7 +265,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         WINDOW,
         "F6",
-        "keyboard to the controls: Tab, arrows, Enter; Esc leaves",
+        "keyboard to the controls; Esc leaves",
         &[on(NONE, Key::F6, Action::Controls)],
     ),
     line(
@@ -278,7 +287,6 @@ pub static HELP: &[HelpLine] = &[
         &[
             on(NONE, Key::Questionmark, Action::Help),
             on(SHIFT, Key::Questionmark, Action::Help),
-            on(SHIFT, Key::Slash, Action::Help),
         ],
     ),
     line(

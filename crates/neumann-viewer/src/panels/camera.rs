@@ -71,6 +71,6 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup) {
         control.set_lens(lens);
         is_changed = true;
     }
-    paragraph(ui, "Alt and a click on the picture focuses there.");
+    paragraph(ui, "Ctrl and a click on the picture focus the lens there.");
     setup.is_changed |= is_changed;
 }

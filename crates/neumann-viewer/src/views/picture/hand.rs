@@ -28,7 +28,7 @@ pub(super) fn take_pointer(
     if response.double_clicked() {
         stage.settings.zoom = None;
     }
-    if response.clicked() && modifiers.alt {
+    if response.clicked() && modifiers.command {
         focus_at(response.interact_pointer_pos(), placement, stage);
         return;
     }

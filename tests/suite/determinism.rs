@@ -346,6 +346,37 @@ fn the_loop_ends_at_full_resolution_with_the_same_bits() {
     }
 }
 
+/// Whoever asks for techniques when rendering is done gets those of all iterations, and the picture
+/// stays; a rule that asks for less than is there ends rendering, and says so.
+#[test]
+fn techniques_of_a_picture_that_is_done_are_found() {
+    let scene = builtin("cornell");
+    let (render_loop, bell) = watched_loop();
+    let bdpt = METHODS.iter().find(|method| method.has_techniques);
+    let setup = Setup::new(&scene, 60, 40).by(bdpt.expect("one")).up_to(3);
+    render_loop.start(Job {
+        scene: Arc::clone(&scene),
+        settings: setup.settings.clone(),
+        stop: StopRule::Never,
+    });
+    wait_for(&render_loop, &bell, |p| {
+        p.divisor == 1 && p.stats.n_iterations >= 5
+    });
+    render_loop.stop_after(StopRule::Iterations(2));
+    wait_for(&render_loop, &bell, |p| p.stats.is_done);
+    let n_iterations = render_loop.published().film.n_iterations();
+    assert!(n_iterations >= 5, "nothing is taken back");
+    assert!(render_loop.published().techniques.is_none());
+    render_loop.record_techniques(true);
+    wait_for(&render_loop, &bell, |p| {
+        let techniques = p.techniques.as_ref();
+        techniques.is_some_and(|t| t.n_iterations() == n_iterations)
+    });
+    let published = render_loop.published();
+    assert!(published.stats.is_done);
+    assert_same_bits(&published.film, &setup.film(0, n_iterations), "once more");
+}
+
 /// A room with enough triangles that a quick tree is built first.
 fn big_scene() -> SceneDescription {
     let corners = room_with_spheres(30);

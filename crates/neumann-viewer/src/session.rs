@@ -7,8 +7,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use neumann_core::film::{Film, View as Part};
+use neumann_core::render::RenderSettings;
 use neumann_picture::exr_file::{IterationRanges, Metadata};
 
+use crate::display::ViewSettings;
 use crate::picture::Picture;
 use crate::render_link::RenderLink;
 use crate::setup::Setup;
@@ -22,32 +24,48 @@ pub struct Session {
     pub link: RenderLink,
     /// The film as of this frame.
     pub picture: Picture,
+    /// Part of the series that was shown last.
+    part: Part,
     room: Room,
+    kept: Option<Kept>,
 }
 
-/// The room for the film, which the film follows when it has come to rest.
+/// The room for the film.
 struct Room {
-    wanted: (usize, usize),
+    /// Size of a film that fits it.
+    fitting: (usize, usize),
     changed: Option<Instant>,
     is_debounced: bool,
 }
 
+/// A picture that stays until the film of another size has caught up with it.
+#[derive(Clone, Copy, Debug)]
+struct Kept {
+    n_iterations: u32,
+    part: Part,
+}
+
 /// A film is made for a new size of the window when that has held this long.
 const RESIZE_DELAY: Duration = Duration::from_millis(180);
+/// A film that took less time than this is not worth keeping, seconds.
+const YOUNG: f64 = 1.0;
 
 impl Session {
-    /// Renders `setup` on `link`. A film follows the room for it at once, unless `is_debounced`.
+    /// Renders `setup` on `link`. The film follows the room for it always and at once, unless
+    /// `is_debounced`.
     #[must_use]
     pub fn new(setup: Setup, link: RenderLink, is_debounced: bool) -> Self {
         Self {
             setup,
             link,
             picture: Picture::default(),
+            part: Part::Total,
             room: Room {
-                wanted: (0, 0),
+                fitting: (0, 0),
                 changed: None,
                 is_debounced,
             },
+            kept: None,
         }
     }
 
@@ -65,34 +83,101 @@ impl Session {
         let (Some(settings), Some(open)) = (self.setup.settings(), &self.setup.open) else {
             return;
         };
+        let is_only_resized = self.link.started().is_some_and(|job| {
+            let size = (job.settings.width, job.settings.height);
+            let is_resized = size != (settings.width, settings.height);
+            let resized = RenderSettings {
+                width: settings.width,
+                height: settings.height,
+                ..job.settings.clone()
+            };
+            is_resized && resized == settings && Arc::ptr_eq(&job.scene, &open.scene)
+        });
+        let is_kept = is_only_resized && self.room.is_debounced;
+        if !is_kept {
+            self.kept = None;
+        } else if self.is_current() && self.picture.divisor == 1 {
+            self.kept = Some(Kept {
+                n_iterations: self.picture.stats.n_iterations,
+                part: self.part,
+            });
+        }
         self.link
             .start(Arc::clone(&open.scene), settings, self.setup.stop);
         self.setup.is_changed = false;
     }
 
-    /// Lets the film's size follow the room for it, physical pixels, when that has come to rest;
-    /// yields how long it must rest yet.
+    /// Takes over what is new of the film, unless the picture is kept until more has come.
+    pub fn refresh(&mut self, settings: &mut ViewSettings) {
+        self.part = settings.part;
+        if self.kept.is_some_and(|kept| kept.part != settings.part) {
+            self.kept = None;
+        }
+        if self.catching_up().is_none() {
+            self.kept = None;
+            self.picture.refresh(&self.link, settings);
+        }
+    }
+
+    /// While the picture of another size is kept: iterations that are in the film, and those that
+    /// the picture has.
+    #[must_use]
+    pub fn catching_up(&self) -> Option<(u32, u32)> {
+        let kept = self.kept?;
+        let generation = self.link.generation();
+        self.link.read(|published| {
+            if published.generation != generation || published.divisor != 1 {
+                return Some((0, kept.n_iterations));
+            }
+            let n = published.stats.n_iterations;
+            let is_behind = n < kept.n_iterations && !published.stats.is_done;
+            is_behind.then_some((n, kept.n_iterations))
+        })
+    }
+
+    /// Lets the size of a film that is begun anew follow the room for it, physical pixels; that of
+    /// one which has hardly been begun, too, when the room has come to rest. Any other film keeps
+    /// its size and is shown scaled. Yields how long the room must rest yet.
     pub fn follow_room(&mut self, room: egui::Vec2) -> Option<Duration> {
-        let wanted = self.setup.size_for(room);
-        if wanted == self.setup.size || self.setup.open.is_none() {
-            self.room.wanted = wanted;
+        let fitting = self.setup.size_for(room);
+        let is_new = fitting != self.room.fitting;
+        self.room.fitting = fitting;
+        if !self.can_fit() {
             self.room.changed = None;
             return None;
         }
-        if wanted != self.room.wanted {
-            self.room.wanted = wanted;
+        if self.setup.size == (0, 0) || self.setup.is_changed || !self.room.is_debounced {
+            self.fit();
+            return None;
+        }
+        if is_new {
             self.room.changed = Some(Instant::now());
         }
-        let is_first = self.setup.size == (0, 0) || !self.room.is_debounced;
-        let changed = self.room.changed;
-        let rested = changed.map_or(RESIZE_DELAY, |since| since.elapsed());
-        if !is_first && rested < RESIZE_DELAY {
+        let rested = self.room.changed?.elapsed();
+        if rested < RESIZE_DELAY {
             return Some(RESIZE_DELAY - rested);
         }
-        self.setup.size = wanted;
-        self.setup.is_changed = true;
+        let is_young = !self.is_current() || self.picture.stats.seconds < YOUNG;
+        if is_young && self.kept.is_none() {
+            self.fit();
+        }
         self.room.changed = None;
         None
+    }
+
+    /// True if another size of the film would fit the room for it better.
+    #[must_use]
+    pub fn can_fit(&self) -> bool {
+        self.setup.open.is_some() && self.room.fitting != self.setup.size
+    }
+
+    /// Begins a film of the size that fits. The old picture stays until that has caught up.
+    pub fn fit(&mut self) {
+        if self.can_fit() {
+            self.setup.size = self.room.fitting;
+            self.setup.is_changed = true;
+            self.room.changed = None;
+        }
     }
 
     /// Why the picture is biased, if it is: a method that merges is not while nothing is merged.
@@ -112,6 +197,7 @@ impl Session {
 
     /// Puts a part of the film aside as A (0) or B (1).
     pub fn hold(&mut self, which: usize, part: Part) {
+        self.kept = None;
         if self.picture.is_there() {
             let label = self.label(part);
             self.picture.hold(&self.link, which, part, label);
@@ -139,17 +225,17 @@ impl Session {
     #[must_use]
     pub fn metadata(&self) -> Option<Metadata> {
         let (job, open) = (self.link.started()?, self.setup.open.as_ref()?);
-        if !self.is_current() {
-            return None;
-        }
+        let generation = self.link.generation();
         let (n_iterations, n_refused, seconds) = self.link.read(|published| {
             let film = &published.film;
-            (
-                film.n_iterations(),
-                film.n_refused(),
-                published.stats.seconds,
-            )
-        });
+            (published.generation == generation).then(|| {
+                (
+                    film.n_iterations(),
+                    film.n_refused(),
+                    published.stats.seconds,
+                )
+            })
+        })?;
         Some(Metadata {
             iterations: IterationRanges::of(0..n_iterations),
             seconds,

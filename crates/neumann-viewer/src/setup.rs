@@ -33,6 +33,18 @@ impl OpenScene {
     }
 }
 
+/// Where the size of the film comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FilmSize {
+    /// The room for it in the window, when a render begins.
+    #[default]
+    Window,
+    /// It stays as it is.
+    Locked,
+    /// So many columns and rows.
+    Fixed(usize, usize),
+}
+
 /// Everything that determines the picture.
 pub struct Setup {
     /// The scene; `None` until the first one has been opened.
@@ -53,12 +65,20 @@ pub struct Setup {
     pub seed: u64,
     /// When rendering is done.
     pub stop: StopRule,
-    /// Size of the film if it does not follow the window.
-    pub fixed_size: Option<(usize, usize)>,
+    /// Where the size of the film comes from.
+    pub film_size: FilmSize,
     /// Size of the film.
     pub size: (usize, usize),
     /// Something has been changed since rendering was started last.
     pub is_changed: bool,
+}
+
+impl FilmSize {
+    /// A size that was asked for; that of the window where none was.
+    #[must_use]
+    pub fn of(size: Option<(usize, usize)>) -> Self {
+        size.map_or(Self::Window, |(width, height)| Self::Fixed(width, height))
+    }
 }
 
 impl Setup {
@@ -91,7 +111,7 @@ impl Setup {
             n_layers: options.layers.unwrap_or(DEFAULT_LAYERS).max(1),
             seed: options.seed.unwrap_or(0),
             stop: options.stop,
-            fixed_size: options.size,
+            film_size: FilmSize::of(options.size),
             size: (0, 0),
             is_changed: false,
         };
@@ -264,11 +284,14 @@ impl Setup {
         Some(settings)
     }
 
-    /// Size of a film that fills `room` physical pixels, in the camera's own shape if it has one.
+    /// Size of the film where there is room for so many physical pixels: it fills the room, in the
+    /// camera's own shape if it has one, unless it is not to follow the window.
     #[must_use]
     pub fn size_for(&self, room: egui::Vec2) -> (usize, usize) {
-        if let Some(size) = self.fixed_size {
-            return size;
+        match self.film_size {
+            FilmSize::Fixed(width, height) => return (width, height),
+            FilmSize::Locked if self.size != (0, 0) => return self.size,
+            _ => {}
         }
         let (w, h) = (room.x.max(1.0), room.y.max(1.0));
         let aspect = self

@@ -17,7 +17,7 @@ use neumann_picture::state::{
 use crate::camera_control::CameraControl;
 use crate::display::ViewSettings;
 use crate::session::Session;
-use crate::setup::{OpenScene, Setup};
+use crate::setup::{FilmSize, OpenScene, Setup};
 use crate::viewing::Viewing;
 
 /// What is seen now; `None` while there is no scene.
@@ -42,7 +42,11 @@ pub fn of(session: &Session, viewing: &Viewing) -> Option<State> {
         max_bounces: setup.max_bounces,
         layers: setup.n_layers,
         seed: setup.seed,
-        size: setup.fixed_size.map(|(w, h)| [w, h]),
+        size: match setup.film_size {
+            FilmSize::Window => None,
+            FilmSize::Locked => Some(setup.size.into()),
+            FilmSize::Fixed(width, height) => Some([width, height]),
+        },
         stop: match setup.stop {
             StopRule::Never => Stop::Never,
             StopRule::Iterations(n) => Stop::Iterations(n),
@@ -185,7 +189,7 @@ fn take_method(state: &State, setup: &mut Setup) {
     setup.max_bounces = state.max_bounces;
     setup.n_layers = state.layers.max(1);
     setup.seed = state.seed;
-    setup.fixed_size = state.size.map(|[w, h]| (w, h));
+    setup.film_size = FilmSize::of(state.size.map(|[w, h]| (w, h)));
     setup.stop = match state.stop {
         Stop::Never => StopRule::Never,
         Stop::Iterations(n) => StopRule::Iterations(n),

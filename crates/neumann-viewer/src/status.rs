@@ -18,6 +18,10 @@ pub struct Status<'a> {
     pub is_paused: bool,
     /// The picture is not yet of what has been asked for.
     pub is_waiting: bool,
+    /// Iterations of a film of another size, and those that the picture has, which stays meanwhile.
+    pub catching_up: Option<(u32, u32)>,
+    /// The film would fit the window better in another size.
+    pub can_fit: bool,
     /// How far a scene is that is being opened.
     pub opening: Option<&'a OpeningProgress>,
     /// Why the picture is biased, if it is.
@@ -87,6 +91,8 @@ fn facts(status: &Status<'_>) -> Vec<(String, String, String)> {
     let stats = &picture.stats;
     if status.is_paused {
         facts.push(fact("", "paused".to_owned(), ""));
+    } else if let Some((n, of)) = status.catching_up {
+        facts.push(fact("new size", format!("{n} of {of}"), ""));
     } else if stats.is_done && !status.is_waiting {
         facts.push(fact("", "done".to_owned(), ""));
     } else if status.is_waiting {
@@ -95,7 +101,9 @@ fn facts(status: &Status<'_>) -> Vec<(String, String, String)> {
         facts.push(fact("", format!("1/{} resolution", picture.divisor), ""));
     }
     let iteration = match status.stop {
-        StopRule::Iterations(n) => format!("{} of {n}", stats.n_iterations),
+        StopRule::Iterations(n) if stats.n_iterations <= n => {
+            format!("{} of {n}", stats.n_iterations)
+        }
         _ => stats.n_iterations.to_string(),
     };
     facts.push(fact("iteration", iteration, ""));
@@ -116,11 +124,9 @@ fn facts(status: &Status<'_>) -> Vec<(String, String, String)> {
         facts.push(fact("photons", stored, &format!("({megabytes} MB)")));
     }
     facts.push(fact("refused", stats.n_refused.to_string(), ""));
-    facts.push(fact(
-        "",
-        format!("{} × {}", picture.size.0, picture.size.1),
-        "",
-    ));
+    let size = format!("{} × {}", picture.size.0, picture.size.1);
+    let unit = if status.can_fit { "scaled" } else { "" };
+    facts.push(fact("", size, unit));
     facts
 }
 

@@ -238,7 +238,7 @@ impl ApplicationHandler<Event> for Handler<'_> {
         };
         match event {
             Event::Published => {
-                if running.app.session.is_current() {
+                if running.app.session.is_current() || running.app.session.catching_up().is_some() {
                     running.wake_at(running.due());
                 } else {
                     running.window.request_redraw();

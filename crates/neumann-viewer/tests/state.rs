@@ -16,6 +16,7 @@ use neumann_picture::exr_file::{appearance_text, camera_text, environment_text};
 use neumann_picture::state::State;
 use neumann_picture::tone::ToneCurve;
 use neumann_viewer::app::App;
+use neumann_viewer::setup::FilmSize;
 use neumann_viewer::state;
 
 use support::{app, app_with_techniques};
@@ -74,7 +75,7 @@ fn change(app: &mut App) {
     setup.n_layers = 7;
     setup.seed = 12;
     setup.stop = StopRule::Iterations(77);
-    setup.fixed_size = Some((40, 30));
+    setup.film_size = FilmSize::Fixed(40, 30);
     let settings = &mut app.viewing.settings;
     settings.part = Part::Upto(3);
     settings.exposure_ev = 1.0 / 3.0;

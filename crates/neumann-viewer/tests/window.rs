@@ -19,11 +19,13 @@ use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::description::{
     CameraDescription, InstanceDescription, MaterialDescription, MeshDescription, SceneDescription,
 };
+use neumann_viewer::ViewOptions;
 use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
+use neumann_viewer::setup::FilmSize;
 use neumann_viewer::views::techniques::TechniqueView;
 
-use support::{app, app_with_techniques};
+use support::{app, app_of, app_with_techniques, published};
 
 fn harness(size: [f32; 2]) -> Harness<'static, App> {
     harness_of(size, app())
@@ -245,6 +247,49 @@ fn tab_hides_the_panels_and_f6_gives_them_the_keyboard() {
     );
     press(&mut harness, Key::Escape);
     assert!(harness.ctx.memory(|m| m.focused()).is_none());
+}
+
+/// A film that is worth something keeps its size, whatever becomes of the window; it gets another
+/// one by wish, or where it begins anew anyway.
+#[test]
+fn panels_and_window_change_their_size_and_the_film_keeps_its_own() {
+    let app = app_of(published(), ViewOptions::default());
+    let mut harness = harness_of([1280.0, 720.0], app);
+    let size = harness.state().session.setup.size;
+    assert_eq!(size.0, size.1, "the camera of the scene asks for a square");
+    assert!(size.1 > 400, "it fills the room: {size:?}");
+    press(&mut harness, Key::Tab);
+    std::thread::sleep(std::time::Duration::from_millis(250));
+    harness.run_steps(2);
+    harness.set_size(egui::vec2(1000.0, 640.0));
+    harness.run_steps(2);
+    std::thread::sleep(std::time::Duration::from_millis(250));
+    harness.run_steps(2);
+    let session = &harness.state().session;
+    assert_eq!(session.setup.size, size);
+    assert_eq!(session.link.n_starts(), 1);
+    assert!(session.can_fit());
+
+    // By wish, and the old picture is there meanwhile.
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::Z);
+    harness.run_steps(3);
+    let session = &harness.state().session;
+    assert_eq!(session.setup.size, (640, 640));
+    assert_eq!(session.link.n_starts(), 2);
+    assert!(!session.can_fit());
+
+    // With what begins anew anyway.
+    press(&mut harness, Key::Tab);
+    assert_eq!(harness.state().session.setup.size, (640, 640));
+    press(&mut harness, Key::CloseBracket);
+    let room = harness.state().session.setup.size;
+    assert!(room.1 < 640, "{room:?}");
+
+    // Not if it is to stay.
+    harness.state_mut().session.setup.film_size = FilmSize::Locked;
+    press(&mut harness, Key::Tab);
+    press(&mut harness, Key::CloseBracket);
+    assert_eq!(harness.state().session.setup.size, room);
 }
 
 #[test]

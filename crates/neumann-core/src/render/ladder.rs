@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::job::{Job, StopRule};
+use super::summary::technique_divisor;
 use super::{IterationTimes, Renderer, WorkerPool};
+use crate::film::TechniqueFilm;
 use crate::integrator::Method;
 
 /// A frame on the ladder should be there within this time.
@@ -30,6 +32,8 @@ pub(super) struct Climb {
     pub(super) seconds: f64,
     /// Of iterations of this rung.
     pub(super) times: IterationTimes,
+    /// Runs iterations once more for their techniques, which were not asked for at the time.
+    recorder: Option<Renderer>,
 }
 
 impl Climb {
@@ -43,6 +47,7 @@ impl Climb {
             n_iterations: 0,
             seconds: 0.0,
             times: IterationTimes::default(),
+            recorder: None,
         }
     }
 
@@ -67,20 +72,42 @@ impl Climb {
             n_iterations: 0,
             seconds: 0.0,
             times: IterationTimes::default(),
+            recorder: None,
         }
     }
 
     /// The renderer of the rung.
     pub(super) fn renderer(&mut self, job: &Job, pool: &WorkerPool) -> &mut Renderer {
         let divisor = self.divisor;
-        let renderer = self.renderer.get_or_insert_with(|| {
-            let mut settings = job.settings.clone();
-            settings.width = settings.width.div_ceil(divisor).max(1);
-            settings.height = settings.height.div_ceil(divisor).max(1);
-            Renderer::new(Arc::clone(&job.scene), settings, pool.clone(), 0)
-        });
+        self.recorder = None;
+        let renderer = self
+            .renderer
+            .get_or_insert_with(|| renderer(job, divisor, pool));
         renderer.take_scene(&job.scene);
         renderer
+    }
+
+    /// The renderer that runs iterations of a job that is done once more, from the first one on,
+    /// for their techniques.
+    pub(super) fn recorder(&mut self, job: &Job, pool: &WorkerPool) -> &mut Renderer {
+        let recorder = self.recorder.get_or_insert_with(|| {
+            let mut recorder = renderer(job, 1, pool);
+            recorder.record_techniques(Some(technique_divisor(&job.settings)));
+            recorder
+        });
+        recorder.take_scene(&job.scene);
+        recorder
+    }
+
+    /// True if iterations are in the film of whose techniques nothing is known. Where some were
+    /// kept while the film was rendered, these have to do.
+    pub(super) fn lacks_techniques(&self) -> bool {
+        let n_known = |renderer: &Renderer| renderer.techniques().map(TechniqueFilm::n_iterations);
+        match (&self.recorder, &self.renderer) {
+            (Some(recorder), _) => n_known(recorder).is_some_and(|n| n < self.n_iterations),
+            (None, Some(renderer)) => n_known(renderer).is_none_or(|n| n == 0),
+            (None, None) => false,
+        }
     }
 
     /// Goes up.
@@ -104,6 +131,14 @@ impl Climb {
             }
         }
     }
+}
+
+/// A renderer of a job, `divisor` times smaller.
+fn renderer(job: &Job, divisor: usize, pool: &WorkerPool) -> Renderer {
+    let mut settings = job.settings.clone();
+    settings.width = settings.width.div_ceil(divisor).max(1);
+    settings.height = settings.height.div_ceil(divisor).max(1);
+    Renderer::new(Arc::clone(&job.scene), settings, pool.clone(), 0)
 }
 
 #[cfg(test)]

@@ -109,10 +109,12 @@ impl RenderLoop {
     }
 
     /// Begins or ends keeping techniques apart, at full resolution of the ladder; what was kept
-    /// before is dropped. It costs time and memory ([`bytes`](crate::film::TechniqueFilm::bytes)),
+    /// before is dropped. Where the job is done already, its iterations are run once more for their
+    /// techniques alone. It costs time and memory ([`bytes`](crate::film::TechniqueFilm::bytes)),
     /// so it is for as long as somebody looks.
     pub fn record_techniques(&self, is_on: bool) {
         self.shared.control().is_recording = is_on;
+        self.shared.wake.notify_all();
     }
 
     /// True while paused.
@@ -193,16 +195,26 @@ impl Shared {
         (self.on_publish)();
     }
 
+    /// When the job of a generation is done, if it is the latest.
+    fn stop_of(&self, generation: u64) -> Option<StopRule> {
+        let control = self.control();
+        let job = control.job.as_ref();
+        job.filter(|_| control.generation == generation)
+            .map(|job| job.stop)
+    }
+
     /// Waits for something to do: yields the job, its generation and the token to heed.
-    fn next_task(&self, generation: u64, is_done: impl Fn(StopRule) -> bool) -> Option<Task> {
+    fn next_task(&self, climb: &Climb) -> Option<Task> {
         let mut control = self.control();
         loop {
             if control.has_quit {
                 return None;
             }
             if let Some(job) = &control.job {
-                let is_new = control.generation != generation;
-                if (is_new || !is_done(job.stop)) && !control.is_paused {
+                let is_new = control.generation != climb.generation;
+                let is_wanted =
+                    !climb.is_done(job.stop) || (control.is_recording && climb.lacks_techniques());
+                if (is_new || is_wanted) && !control.is_paused {
                     return Some(Task {
                         job: job.clone(),
                         generation: control.generation,
@@ -231,13 +243,16 @@ fn run(shared: &Shared, pool: &WorkerPool) {
     let mut pace: Option<Pace> = None;
     let mut summarised: Option<Instant> = None;
     loop {
-        let is_done = |stop| climb.is_done(stop);
-        let Some(task) = shared.next_task(climb.generation, is_done) else {
+        let Some(task) = shared.next_task(&climb) else {
             return;
         };
         if task.generation != climb.generation {
             climb = Climb::new(&task.job, task.generation, pace);
             summarised = None;
+        }
+        if climb.is_done(task.job.stop) {
+            record_once_more(shared, pool, &mut climb, &task, &mut summarised);
+            continue;
         }
         let start = Instant::now();
         let (generation, divisor) = (climb.generation, climb.divisor);
@@ -283,7 +298,9 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let seconds_with_film = start.elapsed().as_secs_f64();
         climb.seconds += seconds_with_film;
         climb.times.take(seconds_with_film);
-        let is_done = divisor == 1 && climb.is_done(task.job.stop);
+        // The rule may have been changed since.
+        let stop = shared.stop_of(generation).unwrap_or(task.job.stop);
+        let is_done = divisor == 1 && climb.is_done(stop);
         let is_due = summarised.is_none_or(|t| t.elapsed() >= SUMMARY_PERIOD) || is_done;
         let summary = is_due.then(|| {
             let published = shared.published();
@@ -311,4 +328,36 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             climb.next_rung();
         }
     }
+}
+
+/// Runs an iteration of a film that is done once more, for its techniques.
+fn record_once_more(
+    shared: &Shared,
+    pool: &WorkerPool,
+    climb: &mut Climb,
+    task: &Task,
+    summarised: &mut Option<Instant>,
+) {
+    if climb
+        .recorder(&task.job, pool)
+        .iterate(&task.cancel)
+        .is_err()
+    {
+        return;
+    }
+    let is_last = !climb.lacks_techniques();
+    if !is_last && summarised.is_some_and(|t| t.elapsed() < SUMMARY_PERIOD) {
+        return;
+    }
+    let Some(techniques) = climb.recorder(&task.job, pool).techniques() else {
+        return;
+    };
+    *summarised = Some(Instant::now());
+    let (stats, summary) = {
+        let published = shared.published();
+        let error = published.stats.estimated_error;
+        let summary = pool.run(|| Summary::of(&published.film, error, Some(techniques)));
+        (published.stats, summary)
+    };
+    shared.publish(|published| published.take(stats, Some(summary)));
 }

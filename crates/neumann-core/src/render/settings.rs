@@ -7,7 +7,7 @@ use crate::pass::PassNumbers;
 use crate::scene::description::CameraDescription;
 
 /// Scene aside, everything that determines the picture.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
     /// The method.
     pub method: &'static Method,

@@ -296,7 +296,7 @@ pub enum LightKind {
 }
 
 /// A camera standing in the world, looking down its −Z.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CameraDescription {
     /// Name of the node or of the camera.
     pub name: String,

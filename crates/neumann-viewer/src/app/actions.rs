@@ -42,6 +42,7 @@ impl App {
                 self.session.link.pause(!is_paused);
             }
             Action::Restart => self.session.setup.is_changed = true,
+            Action::FitFilm => self.session.fit(),
             Action::FrameAll | Action::ResetCamera => self.move_camera(action),
             Action::Open => {
                 self.shell.is_bare = false;

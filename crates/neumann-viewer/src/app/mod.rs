@@ -132,10 +132,7 @@ impl App {
             self.perform(&ctx, action);
         }
         flight::steer(&ctx, &mut self.session.setup);
-        let session = &mut self.session;
-        session
-            .picture
-            .refresh(&session.link, &mut self.viewing.settings);
+        self.session.refresh(&mut self.viewing.settings);
 
         let stage = if self.shell.is_bare {
             ctx.content_rect()
@@ -227,6 +224,8 @@ impl App {
             stop: session.setup.stop,
             is_paused: session.link.is_paused(),
             is_waiting: !session.is_current(),
+            catching_up: session.catching_up(),
+            can_fit: session.can_fit(),
             opening: self.loading.as_ref().map(|l| &l.progress),
             bias: session.bias(),
         };

@@ -14,6 +14,7 @@ use super::{App, Loading};
 use crate::notices::Offer;
 use crate::options::Exposure;
 use crate::scene_source::{Arrival, Wanted};
+use crate::setup::FilmSize;
 use crate::state;
 
 impl App {
@@ -139,14 +140,18 @@ impl App {
         self.exposes_by_itself = false;
         let setup = &mut self.session.setup;
         if is_first {
-            setup.fixed_size = self.options.size.or(setup.fixed_size);
+            if self.options.size.is_some() {
+                setup.film_size = FilmSize::of(self.options.size);
+            }
             if self.options.stop != StopRule::Never {
                 setup.stop = self.options.stop;
             }
         }
         let largest = self.largest_side;
-        if let Some((w, h)) = setup.fixed_size.filter(|(w, h)| *w.max(h) > largest) {
-            setup.fixed_size = None;
+        if let FilmSize::Fixed(w, h) = setup.film_size
+            && w.max(h) > largest
+        {
+            setup.film_size = FilmSize::Window;
             self.shell.notices.failure(format!(
                 "The state's size {w}×{h} is more than the graphics device draws, {largest} pixels \
                  each way; the film follows the window"

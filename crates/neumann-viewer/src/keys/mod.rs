@@ -48,6 +48,8 @@ pub enum Action {
     Zoom(i32),
     /// Show the whole picture.
     ZoomFit,
+    /// A film of the size that fits the window.
+    FitFilm,
     /// Hold the present picture as A.
     HoldA,
     /// Hold the present picture as B.

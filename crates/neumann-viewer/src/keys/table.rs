@@ -190,6 +190,12 @@ pub static HELP: &[HelpLine] = &[
     ),
     line(
         DISPLAY,
+        "Shift Z",
+        "film as large as the window",
+        &[on(SHIFT, Key::Z, Action::FitFilm)],
+    ),
+    line(
+        DISPLAY,
         "H  Shift H",
         "hold as A, as B",
         &[
@@ -265,7 +271,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         WINDOW,
         "F6",
-        "keyboard to the controls; Esc leaves",
+        "to the controls; Esc leaves",
         &[on(NONE, Key::F6, Action::Controls)],
     ),
     line(

@@ -2,11 +2,15 @@
 
 use egui::Ui;
 
-use crate::setup::Setup;
+use crate::keys::Action;
+use crate::session::Session;
+use crate::setup::FilmSize;
+use crate::shell::Shell;
 use crate::theme::GRID;
-use crate::widgets::{Slider, button, fact, heading, paragraph, rule, significant};
+use crate::widgets::{Slider, button, choice_row, fact, heading, paragraph, rule, significant};
 
-pub(super) fn show(ui: &mut Ui, setup: &mut Setup) {
+pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
+    let setup = &mut session.setup;
     heading(ui, "Camera");
     let aspect = setup.size.0.max(1) as f32 / setup.size.1.max(1) as f32;
     let Some(control) = &mut setup.camera else {
@@ -73,4 +77,61 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup) {
     }
     paragraph(ui, "Ctrl and a click on the picture focus the lens there.");
     setup.is_changed |= is_changed;
+    film(ui, session, shell);
+}
+
+/// The size of the film, and where it comes from.
+fn film(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
+    rule(ui);
+    heading(ui, "Film");
+    let setup = &mut session.setup;
+    let (width, height) = setup.size;
+    fact(ui, "size", &format!("{width} × {height}"));
+    let chosen = match setup.film_size {
+        FilmSize::Window => 0,
+        FilmSize::Locked => 1,
+        FilmSize::Fixed(..) => 2,
+    };
+    let before = setup.film_size;
+    match choice_row(
+        ui,
+        "size follows",
+        &["window", "nothing", "numbers"],
+        chosen,
+    ) {
+        Some(0) => setup.film_size = FilmSize::Window,
+        Some(1) => setup.film_size = FilmSize::Locked,
+        Some(_) => setup.film_size = FilmSize::Fixed(width.max(1), height.max(1)),
+        None => {}
+    }
+    match &mut setup.film_size {
+        FilmSize::Window => paragraph(
+            ui,
+            "A render takes the size of the window when it begins. Later the picture is scaled.",
+        ),
+        FilmSize::Locked => paragraph(ui, "The size stays as it is, whatever begins anew."),
+        FilmSize::Fixed(width, height) => {
+            for (name, side) in [("width", width), ("height", height)] {
+                let mut number = *side as f64;
+                Slider::new(name, 16.0, 8192.0)
+                    .unit("pixels")
+                    .step(1.0)
+                    .logarithmic(true)
+                    .show(ui, &mut number);
+                *side = number as usize;
+            }
+        }
+    }
+    let is_fixed = matches!(setup.film_size, FilmSize::Fixed(..));
+    if is_fixed && setup.film_size != before {
+        setup.is_changed = true;
+    }
+    let can_fit = !is_fixed && session.can_fit();
+    ui.add_enabled_ui(can_fit, |ui| {
+        let about = "Begins a film as large as the window (Shift Z). The old picture stays until \
+                     that has as many iterations.";
+        if button(ui, "Fit to window").on_hover_text(about).clicked() {
+            shell.act(ui.ctx(), Action::FitFilm);
+        }
+    });
 }

@@ -81,7 +81,7 @@ pub fn show(
                         match shell.page {
                             Page::Method => method::show(ui, session, &viewing.views, shell),
                             Page::Scene => scene::show(ui, &mut session.setup, shell),
-                            Page::Camera => camera::show(ui, &mut session.setup),
+                            Page::Camera => camera::show(ui, session, shell),
                             Page::Display => {
                                 display::show(ui, &session.picture, &mut viewing.settings, shell);
                             }

@@ -71,7 +71,8 @@ pub(crate) fn app() -> App {
     app_of(published(), options)
 }
 
-fn app_of(published: Published, options: ViewOptions) -> App {
+/// The window on a film, with the furnace as its scene.
+pub(crate) fn app_of(published: Published, options: ViewOptions) -> App {
     let mut app = App::new(RenderLink::fixed(published), options, || {});
     app.shell.gallery.keep_still();
     let description = builtin("furnace").expect("a built-in scene");

@@ -37,6 +37,7 @@ struct Control {
     generation: u64,
     is_paused: bool,
     is_recording: bool,
+    draws_photons: bool,
     has_quit: bool,
     cancel: CancelToken,
 }
@@ -57,6 +58,7 @@ impl RenderLoop {
                 generation: 0,
                 is_paused: false,
                 is_recording: false,
+                draws_photons: false,
                 has_quit: false,
                 cancel: CancelToken::default(),
             }),
@@ -71,6 +73,7 @@ impl RenderLoop {
                 energy_shares: Vec::new(),
                 thumbnails_version: 0,
                 techniques: None,
+                photons: None,
             }),
             version: AtomicU64::new(0),
             on_publish: Box::new(on_publish),
@@ -113,6 +116,14 @@ impl RenderLoop {
     /// so it is for as long as somebody looks.
     pub fn record_techniques(&self, is_on: bool) {
         self.shared.control().is_recording = is_on;
+    }
+
+    /// Begins or ends drawing the photons of a method that has some, also those of an iteration
+    /// that is done already. It costs a ray for each photon, so it is for as long as somebody
+    /// looks.
+    pub fn draw_photons(&self, is_on: bool) {
+        self.shared.control().draws_photons = is_on;
+        self.shared.wake.notify_all();
     }
 
     /// True while paused.
@@ -194,20 +205,23 @@ impl Shared {
     }
 
     /// Waits for something to do: yields the job, its generation and the token to heed.
-    fn next_task(&self, generation: u64, is_done: impl Fn(StopRule) -> bool) -> Option<Task> {
+    fn next_task(&self, climb: &Climb) -> Option<Task> {
         let mut control = self.control();
         loop {
             if control.has_quit {
                 return None;
             }
             if let Some(job) = &control.job {
-                let is_new = control.generation != generation;
-                if (is_new || !is_done(job.stop)) && !control.is_paused {
+                let is_new = control.generation != climb.generation;
+                let iterates = (is_new || !climb.is_done(job.stop)) && !control.is_paused;
+                if iterates || (!is_new && climb.owes_photons(control.draws_photons)) {
                     return Some(Task {
+                        iterates,
                         job: job.clone(),
                         generation: control.generation,
                         cancel: control.cancel.clone(),
                         is_recording: control.is_recording,
+                        draws_photons: control.draws_photons,
                     });
                 }
             }
@@ -224,6 +238,9 @@ struct Task {
     generation: u64,
     cancel: CancelToken,
     is_recording: bool,
+    draws_photons: bool,
+    /// False where photons alone are to be drawn.
+    iterates: bool,
 }
 
 fn run(shared: &Shared, pool: &WorkerPool) {
@@ -231,10 +248,14 @@ fn run(shared: &Shared, pool: &WorkerPool) {
     let mut pace: Option<Pace> = None;
     let mut summarised: Option<Instant> = None;
     loop {
-        let is_done = |stop| climb.is_done(stop);
-        let Some(task) = shared.next_task(climb.generation, is_done) else {
+        let Some(task) = shared.next_task(&climb) else {
             return;
         };
+        if !task.iterates {
+            climb.draw_photons(task.draws_photons, &task.cancel);
+            shared.publish(|published| published.photons.clone_from(&climb.photons));
+            continue;
+        }
         if task.generation != climb.generation {
             climb = Climb::new(&task.job, task.generation, pace);
             summarised = None;
@@ -285,12 +306,16 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         climb.times.take(seconds_with_film);
         let is_done = divisor == 1 && climb.is_done(task.job.stop);
         let is_due = summarised.is_none_or(|t| t.elapsed() >= SUMMARY_PERIOD) || is_done;
+        if is_due {
+            climb.draw_photons(task.draws_photons, &task.cancel);
+        }
         let summary = is_due.then(|| {
             let published = shared.published();
             let renderer = climb.renderer.as_ref();
             let error = renderer.and_then(|renderer| renderer.estimated_error(&published.film));
             let techniques = renderer.and_then(Renderer::techniques);
-            pool.run(|| Summary::of(&published.film, error, techniques))
+            let photons = climb.photons.clone();
+            pool.run(|| Summary::of(&published.film, error, techniques, photons))
         });
         if summary.is_some() {
             // Rungs of the ladder do not delay the next summary.

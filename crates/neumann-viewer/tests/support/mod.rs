@@ -59,6 +59,7 @@ pub(crate) fn published() -> Published {
         thumbnails,
         thumbnails_version: 1,
         techniques: None,
+        photons: None,
     }
 }
 

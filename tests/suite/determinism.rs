@@ -151,6 +151,7 @@ static STUMBLING: Method = Method {
     sight: Sight::FULL,
     bias: None,
     has_techniques: false,
+    has_photons: false,
     parameters: &[],
     build: |_: &ParameterValues| Integrator::Pixels(Box::new(Stumbling)),
 };

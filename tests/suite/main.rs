@@ -15,6 +15,7 @@ mod lights;
 mod media;
 mod merging;
 mod own_light;
+mod photons;
 mod reference;
 mod replay;
 mod sampling;

@@ -29,6 +29,7 @@ static OCCLUSION: Method = Method {
     sight: Sight::FULL,
     bias: Some("it is no solution of the rendering equation"),
     has_techniques: false,
+    has_photons: false,
     parameters: &[],
     build: |_: &ParameterValues| Integrator::Pixels(Box::new(Occlusion)),
 };

@@ -4,8 +4,8 @@
 //! screen; [`files`] writes without ever leaving half a file; [`png_file`] and
 //! [`exr_file`] keep pictures, the latter a whole film with its history, so that
 //! a render can be gone on with; [`image_file`] reads any picture back;
-//! [`compare`] measures how far two are apart; [`sheet`] lays out the series; [`state`] keeps all
-//! that a person has chosen.
+//! [`compare`] measures how far two are apart; [`photons`] colours photons; [`sheet`] lays out the
+//! series; [`state`] keeps all that a person has chosen.
 //!
 //! Knows no window and no terminal.
 
@@ -15,6 +15,7 @@ pub mod exr_file;
 pub mod false_colour;
 pub mod files;
 pub mod image_file;
+pub mod photons;
 pub mod png_file;
 pub mod sheet;
 pub mod state;

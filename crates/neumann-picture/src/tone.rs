@@ -150,7 +150,7 @@ pub fn linear_from_srgb(x: f32) -> f32 {
 }
 
 /// A value in [0, 1] as one of 256 codes; out-of-range values go to the nearest code.
-fn quantise(x: f32) -> u8 {
+pub(crate) fn quantise(x: f32) -> u8 {
     (x * 255.0 + 0.5) as u8
 }
 

@@ -116,6 +116,7 @@ impl Canvas {
         let mut input = RawInput {
             screen_rect: Some(Rect::from_min_max(pos2(0.0, 0.0), size)),
             focused: true,
+            max_texture_side: Some(self.device.limits().max_texture_dimension_2d as usize),
             ..RawInput::default()
         };
         let viewport = input.viewports.entry(ViewportId::ROOT).or_default();

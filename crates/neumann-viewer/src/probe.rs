@@ -1,4 +1,4 @@
-//! What the pixel under the pointer holds: place, radiance, error, and the radiance of each bounce.
+//! What the pixel under the pointer holds, in words, and bounce by bounce as bars.
 
 use egui::{Align2, Painter, Rect, Ui, Vec2, pos2};
 use neumann_core::film::{Film, View as Part};
@@ -8,22 +8,18 @@ use crate::theme::{self, GRID, Palette};
 use crate::widgets::significant;
 
 /// The readings of one pixel.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reading {
-    /// Column and row at full resolution.
-    pub pixel: (usize, usize),
-    /// Radiance of the part of the series that is shown, W m⁻² sr⁻¹.
-    pub radiance: Rgb,
-    /// Standard error of L relative to it; `None` before there is one.
-    pub relative_error: Option<f32>,
-    /// Luminance of each layer, tail last.
+    /// What it holds in words, its place first.
+    pub lines: Vec<String>,
+    /// What each bounce has of it, tail last: luminance, or a number of photons.
     pub bounces: Vec<f32>,
 }
 
 impl Reading {
     /// Reads the film at a share of its width and height; `divisor` is that of the ladder.
     #[must_use]
-    pub fn new(film: &Film, part: Part, fraction: [f32; 2], divisor: usize) -> Self {
+    pub fn of_film(film: &Film, part: Part, fraction: [f32; 2], divisor: usize) -> Self {
         let size = (film.width(), film.height());
         let (x, y) = crate::display::image_area::Placement::pixel(fraction, size);
         let index = y * size.0 + x;
@@ -36,33 +32,22 @@ impl Reading {
             .iter()
             .sum::<f32>();
         let is_known = film.n_iterations() > 1 && total > 0.0;
+        let number = |v: f32| significant(f64::from(v), 4);
+        let Rgb { r, g, b } = film.radiance(part, index);
+        let place = format!("x {}  y {}", x * divisor, y * divisor);
+        let radiance = format!("{}  {}  {}", number(r), number(g), number(b));
+        let error = if is_known {
+            let error = f64::from(100.0 * deviation / total);
+            format!("W m⁻² sr⁻¹  ± {} % of L", significant(error, 2))
+        } else {
+            "W m⁻² sr⁻¹".to_owned()
+        };
         Self {
-            pixel: (x * divisor, y * divisor),
-            radiance: film.radiance(part, index),
-            relative_error: is_known.then(|| deviation / total),
+            lines: vec![place, radiance, error],
             bounces: (0..=film.n_layers())
                 .map(|layer| film.layer_at(layer, index).luminance())
                 .collect(),
         }
-    }
-
-    /// The readings in lines, as they stand on the picture.
-    #[must_use]
-    pub fn lines(&self) -> Vec<String> {
-        let number = |v: f32| significant(f64::from(v), 4);
-        let Rgb { r, g, b } = self.radiance;
-        let mut lines = vec![
-            format!("x {}  y {}", self.pixel.0, self.pixel.1),
-            format!("{}  {}  {}", number(r), number(g), number(b)),
-        ];
-        lines.push(match self.relative_error {
-            Some(error) => format!(
-                "W m⁻² sr⁻¹  ± {} % of L",
-                significant(f64::from(100.0 * error), 2)
-            ),
-            None => "W m⁻² sr⁻¹".to_owned(),
-        });
-        lines
     }
 }
 
@@ -72,9 +57,8 @@ pub fn show(ui: &Ui, rect: Rect, reading: &Reading, part: Part) {
     const BARS: f32 = 40.0;
     let p = Palette::of(ui);
     let painter = ui.painter().with_clip_rect(rect);
-    let lines: Vec<_> = reading
-        .lines()
-        .into_iter()
+    let lines = reading.lines.iter().cloned();
+    let lines: Vec<_> = lines
         .map(|line| painter.layout_no_wrap(line, theme::small(), p.text))
         .collect();
     let width = lines.iter().map(|l| l.size().x).fold(152.0, f32::max);
@@ -93,7 +77,7 @@ pub fn show(ui: &Ui, rect: Rect, reading: &Reading, part: Part) {
     bounce_bars(&painter, spot, reading, part, &p);
 }
 
-/// Luminance of each bounce at the pixel, as bars under the numbers.
+/// What each bounce has of the pixel, as bars under the numbers.
 fn bounce_bars(painter: &Painter, spot: Rect, reading: &Reading, part: Part, p: &Palette) {
     let n = reading.bounces.len().max(1);
     let largest = reading.bounces.iter().copied().fold(1e-20, f32::max);

@@ -15,6 +15,7 @@ pub struct RenderLink {
     n_starts: u64,
     generation: u64,
     is_recording: bool,
+    draws_photons: bool,
 }
 
 enum End {
@@ -58,6 +59,7 @@ impl RenderLink {
             n_starts: 0,
             generation: 0,
             is_recording: false,
+            draws_photons: false,
         }
     }
 
@@ -135,6 +137,20 @@ impl RenderLink {
     #[must_use]
     pub fn is_recording(&self) -> bool {
         self.is_recording
+    }
+
+    /// Begins or ends drawing photons.
+    pub fn draw_photons(&mut self, is_on: bool) {
+        self.draws_photons = is_on;
+        if let End::Live(render_loop) = &self.end {
+            render_loop.draw_photons(is_on);
+        }
+    }
+
+    /// True while photons are drawn.
+    #[must_use]
+    pub fn draws_photons(&self) -> bool {
+        self.draws_photons
     }
 
     /// Changes when rendering is done, without starting anew.

@@ -249,5 +249,8 @@ impl Session {
         if self.link.is_recording() != needs.techniques {
             self.link.record_techniques(needs.techniques);
         }
+        if self.link.draws_photons() != needs.photons {
+            self.link.draw_photons(needs.photons);
+        }
     }
 }

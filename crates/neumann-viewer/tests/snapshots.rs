@@ -14,7 +14,7 @@ use neumann_picture::tone::ToneCurve;
 use neumann_viewer::app::App;
 use neumann_viewer::display::{Draw, FilmGpu, SharedPlanes, Slot, ViewSettings};
 
-use support::{app, app_with_techniques};
+use support::{app, app_with_photons, app_with_techniques};
 
 /// True if there is an adapter; otherwise says so, and fails where tests must really run.
 fn has_adapter() -> bool {
@@ -69,6 +69,17 @@ fn the_window_looks_as_it_did() {
     // Each frame makes one picture at least.
     harness.run_steps(32);
     results.add(harness.try_snapshot("techniques"));
+    for (name, size, theme) in [
+        ("photons", [1280.0, 720.0], Theme::Dark),
+        ("photons_small", [640.0, 420.0], Theme::Light),
+    ] {
+        let mut harness =
+            builder(size, theme).build_ui_state(|ui, app: &mut App| app.ui(ui), app_with_photons());
+        harness.run_steps(4);
+        harness.key_press(Key::P);
+        harness.run_steps(4);
+        results.add(harness.try_snapshot(name));
+    }
 }
 
 #[test]

@@ -19,7 +19,7 @@ use neumann_viewer::app::App;
 use neumann_viewer::setup::FilmSize;
 use neumann_viewer::state;
 
-use support::{app, app_with_techniques};
+use support::{app, app_with_photons, app_with_techniques};
 
 fn harness_of(app: App) -> Harness<'static, App> {
     let mut harness = Harness::builder()
@@ -149,6 +149,21 @@ fn a_state_opened_again_shows_the_same_picture() {
         camera_text(&job(&second).settings.camera),
         camera_text(&job(&home).settings.camera)
     );
+}
+
+#[test]
+fn a_state_of_photons_shows_them_again() {
+    let mut first = harness_of(app_with_photons());
+    first.key_press(Key::P);
+    first.run_steps(3);
+    let saved = state_of(&first);
+    assert_eq!(saved.view, "photons");
+    let mut second = harness_of(app());
+    second.state_mut().open_state(Box::new(saved.clone()));
+    wait(&mut second, |app| !app.is_loading());
+    second.run_steps(2);
+    assert_eq!(state_of(&second), saved);
+    assert_eq!(second.state().viewing.views.shown().id, "photons");
 }
 
 #[test]

@@ -19,13 +19,15 @@ use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::description::{
     CameraDescription, InstanceDescription, MaterialDescription, MeshDescription, SceneDescription,
 };
+use neumann_picture::photons::PhotonColours;
 use neumann_viewer::ViewOptions;
 use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
 use neumann_viewer::setup::FilmSize;
+use neumann_viewer::views::photons::PhotonView;
 use neumann_viewer::views::techniques::TechniqueView;
 
-use support::{app, app_of, app_with_techniques, published};
+use support::{app, app_of, app_with_photons, app_with_techniques, published};
 
 fn harness(size: [f32; 2]) -> Harness<'static, App> {
     harness_of(size, app())
@@ -465,6 +467,81 @@ fn techniques_close_with_their_method_and_with_another_view() {
     press(&mut harness, Key::V);
     press(&mut harness, Key::Num2);
     assert!(!is_apart(&harness), "the view is shown");
+}
+
+fn photons<'a>(harness: &'a Harness<'_, App>) -> &'a PhotonView {
+    harness.state().viewing.views.get().expect("a row of VIEWS")
+}
+
+#[test]
+fn photons_are_shown_by_their_key_in_both_colours_and_closed() {
+    for size in [[1280.0, 720.0], [640.0, 420.0]] {
+        let mut harness = harness_of(size, app_with_photons());
+        let shown = |harness: &Harness<'_, App>| harness.state().viewing.views.shown().id;
+        assert!(!harness.state().session.link.draws_photons());
+        press(&mut harness, Key::P);
+        assert_eq!(shown(&harness), "photons");
+        assert!(harness.state().session.link.draws_photons());
+        let is_said = |harness: &Harness<'_, App>, text: &str| {
+            let n = harness.query_all_by_label_contains(text).count();
+            assert_eq!(n, 1, "{text}");
+        };
+        is_said(&harness, "photons by bounce, 9,216 light paths · ");
+        is_said(&harness, "legend, bounce, share of photons: 1 ");
+        let picture = harness.query_all_by_label_contains("all light").count();
+        assert_eq!(picture, 0, "this is no picture of light");
+        click(&mut harness, "colour photons by: power");
+        assert_eq!(photons(&harness).colours, PhotonColours::Power);
+        is_said(&harness, "photons by power, ");
+        is_said(&harness, "legend, power in a pixel: ≥ ");
+        click(&mut harness, "colour photons by: bounce");
+        // A part of the series chooses bounces.
+        press(&mut harness, Key::Num2);
+        is_said(&harness, "photons by bounce: of bounce 2, ");
+        press(&mut harness, Key::Num0);
+        is_said(&harness, "no photons: emitted light has none, ");
+        press(&mut harness, Key::Escape);
+        assert_eq!(shown(&harness), "picture");
+        assert!(!harness.state().session.link.draws_photons());
+        let n_starts = harness.state().session.link.n_starts();
+        assert_eq!(n_starts, 1, "a view never restarts");
+    }
+}
+
+#[test]
+fn photons_are_saved_with_their_legend() {
+    let mut harness = harness_of([1280.0, 720.0], app_with_photons());
+    press(&mut harness, Key::P);
+    let app = harness.state();
+    let views = &app.viewing.views;
+    let image = views.image(&app.session, &app.viewing.settings);
+    let image = image.expect("there is something to save");
+    assert_eq!(image.name, "photons-bounce");
+    let pixels = (image.pixels)();
+    assert!(
+        pixels.width > 96 + 200,
+        "the legend stands beside the picture"
+    );
+}
+
+#[test]
+fn photons_of_a_method_without_are_refused_in_a_sentence() {
+    let mut harness = harness([1280.0, 720.0]);
+    press(&mut harness, Key::P);
+    assert_eq!(harness.state().viewing.views.shown().id, "picture");
+    let notice = harness.state().shell.notices.texts().next();
+    let notice = notice.expect("it says why").to_owned();
+    assert!(
+        notice.ends_with("the photons view needs pm or ppm"),
+        "{notice}"
+    );
+    // Photons close with their method.
+    let mut harness = harness_of([1280.0, 720.0], app_with_photons());
+    click(&mut harness, "Photons");
+    assert_eq!(harness.state().viewing.views.shown().id, "photons");
+    press(&mut harness, Key::OpenBracket);
+    assert_eq!(harness.state().viewing.views.shown().id, "picture");
+    assert!(!harness.state().session.link.draws_photons());
 }
 
 /// A triangle without light, as a file of the user's own.

@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use neumann_core::film::View;
+use neumann_picture::photons::PhotonColours;
 
 use crate::options::{
-    DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, positive, size, whole,
+    DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, photon_colours, positive, size,
+    whole,
 };
 
 /// The whole command line.
@@ -146,6 +148,7 @@ pub(crate) struct ViewArguments {
     neumann render room.gltf -o nee.exr --integrator pt-nee --size 1280x720 --until-error 0.01\n  \
     neumann render room.gltf -o room.exr --iterations 4096 --resume\n  \
     neumann render lamps -o l.exr --integrator bdpt --techniques pyramid\n  \
+    neumann render cornell-glass --integrator pm --photons photons.png\n  \
     neumann render room.gltf -o part2.exr --first-iteration 1024 --iterations 1024 --threads 8\n  \
     neumann render cornell -o shard3.exr --iterations 4096 --shard 3/8\n  \
     neumann render room.gltf -o room.png --env sun --env-rotation 90 --exposure auto\n  \
@@ -155,7 +158,12 @@ pub(crate) struct RenderArguments {
     /// A .gltf or .glb file, or the name of a built-in scene
     pub(crate) scene: String,
     /// File to write, .exr (all layers) or .png (L as shown); may be given several times
-    #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
+    #[arg(
+        short = 'o',
+        long = "output",
+        value_name = "FILE",
+        required_unless_present = "photons"
+    )]
     pub(crate) outputs: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) settings: SettingsOptions,
@@ -183,6 +191,19 @@ pub(crate) struct RenderArguments {
         allow_hyphen_values = true
     )]
     pub(crate) techniques_divisor: u32,
+    /// Draw the photons of the last iteration as points, with a legend (pm, ppm). Without -o and a
+    /// goal, one iteration is rendered
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) photons: Option<PathBuf>,
+    /// Colour photons by their bounce (how often they were scattered), or by their power
+    #[arg(
+        long,
+        value_name = "WHAT",
+        default_value = PhotonColours::Bounce.name(),
+        requires = "photons",
+        value_parser = photon_colours()
+    )]
+    pub(crate) photons_by: PhotonColours,
     /// End with one JSON object on stdout
     #[arg(long)]
     pub(crate) json: bool,

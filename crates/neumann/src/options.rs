@@ -17,6 +17,7 @@ use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::description::{CameraDescription, EnvironmentDescription};
 use neumann_core::scene::load::LoadOptions;
 use neumann_core::scene::{self, Backs, Scene, SkyChoice};
+use neumann_picture::photons::PhotonColours;
 use neumann_picture::tone::{Display, ToneCurve, auto_exposure};
 
 use crate::console;
@@ -351,6 +352,12 @@ fn integrators() -> impl TypedValueParser<Value = String> {
 /// A sky by name, or a map by path.
 fn sky(text: &str) -> Result<SkyChoice, std::convert::Infallible> {
     Ok(SkyChoice::from_word(text))
+}
+
+/// What photons can be coloured by.
+pub(crate) fn photon_colours() -> impl TypedValueParser<Value = PhotonColours> {
+    let names = PhotonColours::ALL.map(|colours| PossibleValue::new(colours.name()));
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<PhotonColours>())
 }
 
 fn backs() -> impl TypedValueParser<Value = Backs> {

@@ -3,26 +3,35 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use neumann_core::film::{Features, Film, TechniqueFilm};
+use neumann_core::film::{Features, Film, TechniqueFilm, View};
+use neumann_core::integrator::{method, methods_with_photons};
+use neumann_core::photons::PhotonPicture;
 use neumann_picture::exr_file::{Metadata, Precision, write_techniques_exr};
+use neumann_picture::photons::{PhotonLook, PowerScale};
 use neumann_picture::png_file::write_png;
-use neumann_picture::sheet::{SheetInfo, technique_sheet};
+use neumann_picture::sheet::{SheetInfo, photon_sheet, technique_sheet};
 use neumann_picture::tone::Display;
 use serde_json::{Value, json};
 
 use crate::cli::RenderArguments;
 use crate::console;
-use crate::failure::Outcome;
+use crate::failure::{Outcome, bad_input};
 use crate::interrupt;
-use crate::outputs::{self, Picture};
+use crate::options::Exposure;
+use crate::outputs::{self, Kind, Picture};
 use crate::progress::duration;
 use crate::series::make_folder;
 use crate::session::{Goal, Rendered, Saver, Session, peak_bytes};
 
 pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
-    let goal = Goal::of(&arguments.goal)?;
+    let goal = goal(arguments)?;
     outputs::check(&arguments.outputs)?;
     let mut outputs = arguments.outputs.clone();
+    if let Some(path) = &arguments.photons {
+        check_photons(path, &arguments.settings.integrator)?;
+        outputs.push(path.clone());
+        outputs::check(&outputs)?;
+    }
     if let Some(folder) = &arguments.techniques {
         make_folder(folder)?;
         outputs.extend([TECHNIQUES_EXR, TECHNIQUES_PNG].map(|name| folder.join(name)));
@@ -41,6 +50,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
             .techniques
             .is_some()
             .then_some(arguments.techniques_divisor as usize),
+        draws_photons: arguments.photons.is_some(),
     };
     session.check()?;
     let before = if arguments.resume {
@@ -77,11 +87,44 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
     if let (Some(folder), Some(film)) = (&arguments.techniques, &rendered.techniques) {
         write_techniques(folder, film, &rendered, display)?;
     }
+    let mut written = arguments.outputs.clone();
+    if let (Some(path), Some(photons)) = (&arguments.photons, &rendered.photon_picture) {
+        write_photons(path, photons, arguments, &rendered)?;
+        written.push(path.clone());
+    }
     console::note(&summary(&rendered));
     if arguments.json {
-        console::json(&report(&rendered, &arguments.outputs))?;
+        console::json(&report(&rendered, &written))?;
     }
     completeness(&rendered)
+}
+
+/// When rendering is done: after one iteration, where photons are all that is asked for.
+fn goal(arguments: &RenderArguments) -> Outcome<Goal> {
+    let mut options = arguments.goal.clone();
+    let is_open =
+        options.iterations.is_none() && options.time.is_none() && options.until_error.is_none();
+    if arguments.outputs.is_empty() && is_open {
+        options.iterations = Some(1);
+    }
+    Goal::of(&options)
+}
+
+/// Refuses photons of a method that has none, and a file that they cannot be drawn to.
+fn check_photons(path: &Path, integrator: &str) -> Outcome {
+    if !method(integrator).is_some_and(|method| method.has_photons) {
+        return Err(bad_input(format!(
+            "--photons: '{integrator}' has no photons; use --integrator {}",
+            methods_with_photons()
+        )));
+    }
+    if outputs::kind(path)? != Kind::Png {
+        return Err(bad_input(format!(
+            "--photons: {}: photons are drawn as .png; name such a file",
+            path.display()
+        )));
+    }
+    Ok(())
 }
 
 /// Files in the folder of techniques.
@@ -126,6 +169,34 @@ fn write_techniques(
     write_techniques_exr(&folder.join(TECHNIQUES_EXR), film, &notes)?;
     let info = SheetInfo::of(&rendered.film, metadata, display);
     write_png(&folder.join(TECHNIQUES_PNG), &technique_sheet(film, &info))?;
+    Ok(())
+}
+
+/// Draws the photons with their legend.
+fn write_photons(
+    path: &Path,
+    photons: &PhotonPicture,
+    arguments: &RenderArguments,
+    rendered: &Rendered,
+) -> Outcome {
+    let look = PhotonLook {
+        colours: arguments.photons_by,
+        part: View::Total,
+        n_layers: rendered.film.n_layers(),
+        display: Display {
+            // Powers have a scale of their own: an exposure that suits radiance says nothing here.
+            exposure_ev: match arguments.display.exposure {
+                Some(Exposure::Stops(stops)) => stops,
+                _ => 0.0,
+            },
+            tone: arguments.display.tone,
+        },
+    };
+    let metadata = &rendered.metadata;
+    let line = format!("{} · {}", look.caption(), metadata.integrator);
+    let heading = [metadata.scene.as_str(), line.as_str()];
+    let sheet = photon_sheet(photons, PowerScale::of(photons), &look, heading);
+    write_png(path, &sheet)?;
     Ok(())
 }
 

@@ -38,6 +38,7 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
         pool: arguments.settings.pool()?,
         goal,
         technique_divisor: None,
+        draws_photons: false,
     };
     session.check()?;
     let checkpoint = arguments.folder.join(CHECKPOINT);

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use neumann_core::film::{Features, Film, PhotonReport, TechniqueFilm};
+use neumann_core::photons::PhotonPicture;
 use neumann_core::render::{CancelToken, IterationTimes, RenderSettings, Renderer, WorkerPool};
 use neumann_core::scene::Scene;
 use neumann_picture::exr_file::{Checkpoint, IterationRanges, Metadata};
@@ -121,6 +122,8 @@ pub(crate) struct Session {
     pub(crate) goal: Goal,
     /// How many times smaller techniques are kept apart, if they are.
     pub(crate) technique_divisor: Option<usize>,
+    /// Whether the photons of the last iteration are drawn.
+    pub(crate) draws_photons: bool,
 }
 
 /// What came of it.
@@ -135,6 +138,8 @@ pub(crate) struct Rendered {
     pub(crate) rays_per_second: Option<f64>,
     /// The techniques of this run, if they were kept apart.
     pub(crate) techniques: Option<TechniqueFilm>,
+    /// The photons of the last iteration, if they were to be drawn.
+    pub(crate) photon_picture: Option<PhotonPicture>,
     /// What the photons of the last iteration were like, if there were any.
     pub(crate) photons: Option<PhotonReport>,
     /// False if it was interrupted before the goal was met.
@@ -235,6 +240,8 @@ impl Session {
         metadata.n_refused = film.n_refused();
         let estimated_error = renderer.estimated_error(&film);
         let techniques = renderer.techniques().cloned();
+        let draws_photons = self.draws_photons && film.n_iterations() > 0;
+        let photon_picture = draws_photons.then(|| draw_photons(&mut renderer)).flatten();
         // Its memory goes before more is wanted.
         drop(renderer);
         let features = features.unwrap_or_else(trace_features);
@@ -247,10 +254,18 @@ impl Session {
             samples_per_second: per_second(n_samples),
             rays_per_second: per_second(n_rays),
             techniques,
+            photon_picture,
             photons,
             is_complete,
         }
     }
+}
+
+/// The photons of the latest iteration; also after Ctrl-C, as whole iterations are written then.
+fn draw_photons(renderer: &mut Renderer) -> Option<PhotonPicture> {
+    let nobody = CancelToken::default();
+    let map = renderer.photons(&nobody).ok()??;
+    renderer.draw_photons(&map, &nobody).ok()
 }
 
 #[cfg(test)]

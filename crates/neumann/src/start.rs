@@ -44,6 +44,7 @@ fn render(scene: &str) -> Outcome {
         pool: options.pool()?,
         goal: Goal::of(&GoalOptions::default())?,
         technique_divisor: None,
+        draws_photons: false,
     };
     session.check()?;
     let rendered = session.render(None, None, &interrupt::token());

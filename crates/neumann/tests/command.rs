@@ -9,6 +9,8 @@ mod backs;
 mod examples;
 #[path = "command/files_of_others.rs"]
 mod files_of_others;
+#[path = "command/photons.rs"]
+mod photons;
 #[path = "command/refusals.rs"]
 mod refusals;
 #[path = "command/replay.rs"]

@@ -33,6 +33,7 @@ pub static METHOD: Method = Method {
     sight: Sight::FULL,
     bias: None,
     has_techniques: true,
+    has_photons: false,
     parameters: &[HEURISTIC, ROULETTE],
     build: |values: &ParameterValues| {
         Integrator::Passes(Box::new(Bidirectional {

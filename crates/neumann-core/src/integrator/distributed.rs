@@ -34,6 +34,7 @@ pub(super) static METHOD: Method = Method {
     },
     bias: Some("no interreflection between diffuse surfaces"),
     has_techniques: false,
+    has_photons: false,
     parameters: &[
         Parameter {
             name: "lens-samples",

@@ -20,8 +20,11 @@ pub use parameter::{
 };
 pub use radius::Radius;
 
+use std::sync::Arc;
+
 use crate::endpoint::Camera;
 use crate::pass::{Cancelled, Pass, PixelSink, Pixels};
+use crate::photons::PhotonMap;
 use crate::scene::Scene;
 use crate::transport::Tracer;
 
@@ -79,6 +82,20 @@ pub trait PassIntegrator: Send {
     /// [`Cancelled`] when the pass was told to stop.
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled>;
 
+    /// The photons that the iteration of `pass` reads its light from: those that are kept, or the
+    /// same ones traced again, so that nothing need be kept for whoever may want to look at them.
+    /// Nothing is added to the frame. `None` if the method has none.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the pass was told to stop.
+    fn photons(
+        &mut self,
+        _scene: &Scene,
+        _pass: &mut Pass<'_>,
+    ) -> Result<Option<Arc<PhotonMap>>, Cancelled> {
+        Ok(None)
+    }
+
     /// True if the error of the mean shows in how iterations differ. It does not where they have
     /// random numbers in common.
     fn shows_its_error(&self) -> bool {
@@ -122,6 +139,9 @@ pub struct Method {
     /// Whether its paths are made by several techniques (s, t), which a
     /// [`TechniqueFilm`](crate::film::TechniqueFilm) keeps apart.
     pub has_techniques: bool,
+    /// Whether it reads light from photons, which can be looked at
+    /// ([`PassIntegrator::photons`]).
+    pub has_photons: bool,
     /// Its parameters.
     pub parameters: &'static [Parameter],
     /// Makes an integrator with the given parameter values.
@@ -188,4 +208,12 @@ pub const DEFAULT_METHOD: &str = "pt-mis";
 #[must_use]
 pub fn method(id: &str) -> Option<&'static Method> {
     METHODS.iter().copied().find(|m| m.id == id)
+}
+
+/// The ids of the methods that have photons, as a sentence names them: "pm or ppm".
+#[must_use]
+pub fn methods_with_photons() -> String {
+    let with_photons = METHODS.iter().filter(|method| method.has_photons);
+    let ids: Vec<&str> = with_photons.map(|method| method.id).collect();
+    ids.join(" or ")
 }

@@ -10,15 +10,16 @@
 //! makes a new map with a smaller radius in each iteration (the probabilistic form of Knaus and
 //! Zwicker 2011), so that the mean converges to the true image.
 
-use crate::accel::Hit;
-use crate::endpoint::{Aim, LightChoice};
+use std::sync::Arc;
+
+use crate::endpoint::LightChoice;
 use crate::film::{Contribution, PhotonReport, Strategy};
 use crate::integrator::{
     Integrator, Method, Parameter, ParameterKind, ParameterValues, PassIntegrator, Radius, Sight,
 };
 use crate::math::Ray;
 use crate::pass::{Cancelled, Collected, Pass, PixelSink};
-use crate::photons::{HashGrid, Kernel, Near, Photon};
+use crate::photons::{HashGrid, Kernel, Near, Photon, PhotonMap};
 use crate::radiometry::Rgb;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
@@ -42,6 +43,7 @@ pub static METHOD: Method = Method {
     sight: Sight::FULL,
     bias: Some("photons are counted within a fixed radius, and one map is kept for good"),
     has_techniques: false,
+    has_photons: true,
     parameters: &[
         Radius::INITIAL,
         Radius::UNIT,
@@ -82,7 +84,6 @@ pub static METHOD: Method = Method {
                 options: &["kept", "renewed"],
             },
         },
-        SHOW,
     ],
     build: |values: &ParameterValues| {
         Integrator::Passes(Box::new(PhotonMapping {
@@ -105,6 +106,7 @@ pub static PROGRESSIVE: Method = Method {
     sight: Sight::FULL,
     bias: Some("photons are counted within a radius, which shrinks with every iteration"),
     has_techniques: false,
+    has_photons: true,
     parameters: &[
         Radius::INITIAL,
         Radius::UNIT,
@@ -112,7 +114,6 @@ pub static PROGRESSIVE: Method = Method {
         PATHS,
         KERNEL,
         ROUGHNESS,
-        SHOW,
     ],
     build: |values: &ParameterValues| Integrator::Passes(Box::new(PhotonMapping::of(values))),
 };
@@ -158,18 +159,6 @@ const ROUGHNESS: Parameter = Parameter {
     },
 };
 
-const SHOW: Parameter = Parameter {
-    name: "show",
-    title: "Show",
-    unit: "",
-    about: "The picture, or the photons themselves as points: by their power, or by the times \
-            they were scattered.",
-    kind: ParameterKind::Choice {
-        default: 0,
-        options: &["picture", "power", "bounce"],
-    },
-};
-
 /// What lights aimed at are chosen by.
 const CHOICE: LightChoice = LightChoice::Tree;
 
@@ -184,23 +173,14 @@ struct PhotonMapping {
     is_kept: bool,
     n_nearest: usize,
     n_gather: u32,
-    show: Show,
-    kept: Option<PhotonMap>,
+    kept: Option<Traced>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Show {
-    Picture,
-    Power,
-    Bounce,
-}
-
-struct PhotonMap {
-    grid: HashGrid<Photon>,
-    /// The paths that have left the photons, which are in the grid alone.
+/// Photons with the paths that have left them.
+struct Traced {
+    map: Arc<PhotonMap>,
+    /// The photons themselves are in the map alone.
     paths: Collected<Photon>,
-    radius: f32,
-    n_paths: usize,
 }
 
 impl PhotonMapping {
@@ -216,11 +196,6 @@ impl PhotonMapping {
             is_kept: false,
             n_nearest: 0,
             n_gather: 0,
-            show: match values.choice(SHOW.name) {
-                0 => Show::Picture,
-                1 => Show::Power,
-                _ => Show::Bounce,
-            },
             kept: None,
         }
     }
@@ -233,10 +208,8 @@ impl PassIntegrator for PhotonMapping {
 
     fn iterate(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<(), Cancelled> {
         // First pass.
-        let map = match self.kept.take() {
-            Some(map) => map,
-            None => self.trace_photons(scene, pass)?,
-        };
+        let traced = self.traced(scene, pass)?;
+        let map = &traced.map;
         pass.report(PhotonReport {
             radius: map.radius,
             n_paths: map.n_paths,
@@ -244,20 +217,40 @@ impl PassIntegrator for PhotonMapping {
             bytes: map.grid.bytes(),
         });
         // Second pass.
-        let done = match self.show {
-            Show::Picture => self.trace_camera(scene, pass, &map),
-            Show::Power | Show::Bounce => show_photons(scene, pass, &map, self.show),
-        };
-        if self.is_kept {
-            self.kept = Some(map);
-        }
+        let done = self.trace_camera(scene, pass, &traced);
+        self.keep(traced);
         done
+    }
+
+    fn photons(
+        &mut self,
+        scene: &Scene,
+        pass: &mut Pass<'_>,
+    ) -> Result<Option<Arc<PhotonMap>>, Cancelled> {
+        let traced = self.traced(scene, pass)?;
+        let map = Arc::clone(&traced.map);
+        self.keep(traced);
+        Ok(Some(map))
     }
 }
 
 impl PhotonMapping {
+    /// The photons of an iteration: those that are kept, or new ones.
+    fn traced(&mut self, scene: &Scene, pass: &mut Pass<'_>) -> Result<Traced, Cancelled> {
+        match self.kept.take() {
+            Some(traced) => Ok(traced),
+            None => self.trace_photons(scene, pass),
+        }
+    }
+
+    fn keep(&mut self, traced: Traced) {
+        if self.is_kept {
+            self.kept = Some(traced);
+        }
+    }
+
     /// Light paths, a photon wherever one lands on a surface that is not mirror-like.
-    fn trace_photons(&self, scene: &Scene, pass: &mut Pass<'_>) -> Result<PhotonMap, Cancelled> {
+    fn trace_photons(&self, scene: &Scene, pass: &mut Pass<'_>) -> Result<Traced, Cancelled> {
         let max_bounces = pass.max_bounces();
         let wanted = (pass.n_pixels() as f32 * self.paths_per_pixel).ceil() as usize;
         let n_paths = wanted.clamp(1, MAX_PHOTONS / (max_bounces as usize).clamp(1, 6));
@@ -296,12 +289,13 @@ impl PhotonMapping {
         let grid = HashGrid::new(&paths.items, radius, |photon| *photon);
         // The grid has copies.
         paths.items = Vec::new();
-        Ok(PhotonMap {
+        let map = Arc::new(PhotonMap {
             grid,
-            paths,
             radius,
             n_paths,
-        })
+            iteration,
+        });
+        Ok(Traced { map, paths })
     }
 
     /// Camera paths, up to the first surface that is rough enough.
@@ -309,12 +303,12 @@ impl PhotonMapping {
         &self,
         scene: &Scene,
         pass: &mut Pass<'_>,
-        map: &PhotonMap,
+        traced: &Traced,
     ) -> Result<(), Cancelled> {
         let camera = pass.camera();
         let eye = Eye {
             scene,
-            map,
+            traced,
             mapping: self,
             max_bounces: pass.max_bounces(),
         };
@@ -336,7 +330,7 @@ impl PhotonMapping {
 /// What camera paths know.
 struct Eye<'a> {
     scene: &'a Scene,
-    map: &'a PhotonMap,
+    traced: &'a Traced,
     mapping: &'a PhotonMapping,
     max_bounces: u32,
 }
@@ -463,7 +457,7 @@ impl Eye<'_> {
         sink: &mut PixelSink<'_>,
         near: &mut Vec<Near>,
     ) {
-        let map = self.map;
+        let Traced { map, paths } = self.traced;
         let n_nearest = self.mapping.n_nearest;
         let kernel = self.mapping.kernel;
         let x = vertex.point.position;
@@ -475,7 +469,7 @@ impl Eye<'_> {
             }
             if let Some(scattered) = photon.scattered(vertex) {
                 if sink.is_observed() {
-                    sink.merges(map.paths.path_of(map.grid.item_of(number)));
+                    sink.merges(paths.path_of(map.grid.item_of(number)));
                 }
                 let weight = kernel.at(distance_squared, radius_squared) / map.n_paths as f32;
                 sink.add(Contribution {
@@ -525,75 +519,4 @@ impl Segment {
             bounce: self.bounce + 1,
         }
     }
-}
-
-/// Draws the photons that the camera sees, one point each.
-fn show_photons(
-    scene: &Scene,
-    pass: &mut Pass<'_>,
-    map: &PhotonMap,
-    show: Show,
-) -> Result<(), Cancelled> {
-    let camera = pass.camera();
-    let photons = map.grid.entries();
-    let n = photons.len();
-    let sum: f64 = photons.iter().map(|p| f64::from(p.power.mean())).sum();
-    let mean = (sum / n.max(1) as f64) as f32;
-    let numbers = pass.light_numbers(n);
-    pass.trace_light_paths(
-        scene,
-        n,
-        numbers,
-        |index, tracer, sampler, sink, _: &mut Vec<()>| {
-            let photon = &photons[index];
-            let Some((aim, raster)) = camera.aim(photon.position, sampler.start().lens) else {
-                return;
-            };
-            if !is_seen(tracer, photon, &aim) {
-                return;
-            }
-            let strategy = Strategy::merge(photon.n_vertices, 2);
-            let color = match show {
-                Show::Bounce => bounce_color(strategy.bounce()),
-                Show::Picture | Show::Power => photon.power / mean.max(f32::MIN_POSITIVE),
-            };
-            sink.splat(
-                raster,
-                Contribution {
-                    value: color,
-                    mis_weight: 1.0,
-                    bounce: strategy.bounce(),
-                    strategy,
-                },
-            );
-        },
-    )?;
-    Ok(())
-}
-
-/// True if nothing but glass is between a photon and the lens; glass is looked through as if it
-/// were not there.
-fn is_seen(tracer: &mut Tracer<'_>, photon: &Photon, aim: &Aim) -> bool {
-    let point = photon.point();
-    let ray = point.segment_to_lens(point.position + aim.wi * aim.distance);
-    let met = tracer.crossings(&ray);
-    let is_open = |hit: &Hit| {
-        let vertex = tracer.surface_vertex(&ray, hit);
-        vertex.bsdf.is_transmissive() || tracer.opacity(&ray, hit) <= 0.0
-    };
-    !tracer.leaves_unseen(&ray) && met.iter().all(is_open)
-}
-
-/// Colours that can be told apart without seeing red from green: Okabe and Ito 2008, linear.
-fn bounce_color(bounce: u32) -> Rgb {
-    const COLORS: [[f32; 3]; 7] = [
-        [0.791, 0.342, 0.000],
-        [0.093, 0.456, 0.815],
-        [0.000, 0.342, 0.171],
-        [0.871, 0.776, 0.054],
-        [0.000, 0.168, 0.445],
-        [0.665, 0.112, 0.000],
-        [0.604, 0.191, 0.386],
-    ];
-    Rgb::from(COLORS[(bounce.max(1) as usize - 1) % COLORS.len()])
 }

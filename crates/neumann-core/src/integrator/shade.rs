@@ -29,6 +29,7 @@ pub(super) static METHOD: Method = Method {
     },
     bias: Some("lights shine through everything"),
     has_techniques: false,
+    has_photons: false,
     parameters: &[Parameter {
         name: "light-samples",
         title: "light samples",

@@ -44,6 +44,7 @@ pub static METHOD: Method = Method {
     sight: Sight::FULL,
     bias: Some("merging blurs by its radius, which shrinks with every iteration"),
     has_techniques: true,
+    has_photons: false,
     parameters: &[
         Radius::INITIAL,
         Radius::UNIT,

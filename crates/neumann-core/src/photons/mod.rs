@@ -6,9 +6,14 @@
 
 mod hash_grid;
 mod kernel;
+mod map;
+mod picture;
 
 pub use hash_grid::{HashGrid, Near, Placed, Search};
 pub use kernel::Kernel;
+pub use map::PhotonMap;
+pub(crate) use picture::Dot;
+pub use picture::{PhotonPicture, PhotonStack};
 
 use glam::Vec3;
 

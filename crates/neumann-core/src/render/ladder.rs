@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use super::job::{Job, StopRule};
 use super::summary::technique_divisor;
-use super::{IterationTimes, Renderer, WorkerPool};
+use super::{CancelToken, Cancelled, IterationTimes, Renderer, WorkerPool};
 use crate::film::TechniqueFilm;
 use crate::integrator::Method;
+use crate::photons::PhotonPicture;
 
 /// A frame on the ladder should be there within this time.
 const COARSE_SECONDS: f64 = 0.020;
@@ -34,6 +35,10 @@ pub(super) struct Climb {
     pub(super) times: IterationTimes,
     /// Runs iterations once more for their techniques, which were not asked for at the time.
     recorder: Option<Renderer>,
+    /// Whether photons are drawn,
+    pub(super) draws_photons: bool,
+    /// and those that were drawn last, of this rung.
+    pub(super) photons: Option<Arc<PhotonPicture>>,
 }
 
 impl Climb {
@@ -48,6 +53,8 @@ impl Climb {
             seconds: 0.0,
             times: IterationTimes::default(),
             recorder: None,
+            draws_photons: false,
+            photons: None,
         }
     }
 
@@ -73,6 +80,8 @@ impl Climb {
             seconds: 0.0,
             times: IterationTimes::default(),
             recorder: None,
+            draws_photons: false,
+            photons: None,
         }
     }
 
@@ -116,6 +125,39 @@ impl Climb {
         self.renderer = None;
         self.n_iterations = 0;
         self.times = IterationTimes::default();
+        self.photons = None;
+    }
+
+    /// Draws the photons of the latest iteration, or does so no longer. Where the token is
+    /// cancelled, those that were drawn last stay, and the new ones are still owed.
+    pub(super) fn draw_photons(&mut self, is_on: bool, cancel: &CancelToken) {
+        self.draws_photons = is_on;
+        if !is_on {
+            self.photons = None;
+            return;
+        }
+        let Some(renderer) = &mut self.renderer else {
+            return;
+        };
+        let Some(map) = renderer.photons(cancel).unwrap_or_default() else {
+            self.draws_photons = !cancel.is_cancelled();
+            return;
+        };
+        // A map that is kept for all iterations need not be drawn anew.
+        let drawn = self.photons.as_ref().map(|photons| photons.iteration());
+        if drawn == Some(map.iteration) {
+            return;
+        }
+        match renderer.draw_photons(&map, cancel) {
+            Ok(picture) => self.photons = Some(Arc::new(picture)),
+            Err(Cancelled) => self.draws_photons = false,
+        }
+    }
+
+    /// True if photons are to be drawn that are not, or no longer, though no iteration may be
+    /// under way.
+    pub(super) fn owes_photons(&self, is_on: bool) -> bool {
+        self.n_iterations > 0 && self.draws_photons != is_on
     }
 
     /// True if the stop rule has been met.

@@ -10,6 +10,7 @@ mod iteration_times;
 mod job;
 mod ladder;
 mod own_light;
+mod photons;
 mod pool;
 mod render_loop;
 mod renderer;

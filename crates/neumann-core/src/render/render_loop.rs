@@ -37,6 +37,7 @@ struct Control {
     generation: u64,
     is_paused: bool,
     is_recording: bool,
+    draws_photons: bool,
     has_quit: bool,
     cancel: CancelToken,
 }
@@ -57,6 +58,7 @@ impl RenderLoop {
                 generation: 0,
                 is_paused: false,
                 is_recording: false,
+                draws_photons: false,
                 has_quit: false,
                 cancel: CancelToken::default(),
             }),
@@ -71,6 +73,7 @@ impl RenderLoop {
                 energy_shares: Vec::new(),
                 thumbnails_version: 0,
                 techniques: None,
+                photons: None,
             }),
             version: AtomicU64::new(0),
             on_publish: Box::new(on_publish),
@@ -114,6 +117,14 @@ impl RenderLoop {
     /// so it is for as long as somebody looks.
     pub fn record_techniques(&self, is_on: bool) {
         self.shared.control().is_recording = is_on;
+        self.shared.wake.notify_all();
+    }
+
+    /// Begins or ends drawing the photons of a method that has some, also those of an iteration
+    /// that is done already. It costs a ray for each photon, so it is for as long as somebody
+    /// looks.
+    pub fn draw_photons(&self, is_on: bool) {
+        self.shared.control().draws_photons = is_on;
         self.shared.wake.notify_all();
     }
 
@@ -214,12 +225,15 @@ impl Shared {
                 let is_new = control.generation != climb.generation;
                 let is_wanted =
                     !climb.is_done(job.stop) || (control.is_recording && climb.lacks_techniques());
-                if (is_new || is_wanted) && !control.is_paused {
+                let iterates = (is_new || is_wanted) && !control.is_paused;
+                if iterates || (!is_new && climb.owes_photons(control.draws_photons)) {
                     return Some(Task {
+                        iterates,
                         job: job.clone(),
                         generation: control.generation,
                         cancel: control.cancel.clone(),
                         is_recording: control.is_recording,
+                        draws_photons: control.draws_photons,
                     });
                 }
             }
@@ -236,6 +250,9 @@ struct Task {
     generation: u64,
     cancel: CancelToken,
     is_recording: bool,
+    draws_photons: bool,
+    /// False where photons alone are to be drawn.
+    iterates: bool,
 }
 
 fn run(shared: &Shared, pool: &WorkerPool) {
@@ -246,6 +263,11 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let Some(task) = shared.next_task(&climb) else {
             return;
         };
+        if !task.iterates {
+            climb.draw_photons(task.draws_photons, &task.cancel);
+            shared.publish(|published| published.photons.clone_from(&climb.photons));
+            continue;
+        }
         if task.generation != climb.generation {
             climb = Climb::new(&task.job, task.generation, pace);
             summarised = None;
@@ -302,12 +324,16 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let stop = shared.stop_of(generation).unwrap_or(task.job.stop);
         let is_done = divisor == 1 && climb.is_done(stop);
         let is_due = summarised.is_none_or(|t| t.elapsed() >= SUMMARY_PERIOD) || is_done;
+        if is_due {
+            climb.draw_photons(task.draws_photons, &task.cancel);
+        }
         let summary = is_due.then(|| {
             let published = shared.published();
             let renderer = climb.renderer.as_ref();
             let error = renderer.and_then(|renderer| renderer.estimated_error(&published.film));
             let techniques = renderer.and_then(Renderer::techniques);
-            pool.run(|| Summary::of(&published.film, error, techniques))
+            let photons = climb.photons.clone();
+            pool.run(|| Summary::of(&published.film, error, techniques, photons))
         });
         if summary.is_some() {
             // Rungs of the ladder do not delay the next summary.
@@ -356,7 +382,8 @@ fn record_once_more(
     let (stats, summary) = {
         let published = shared.published();
         let error = published.stats.estimated_error;
-        let summary = pool.run(|| Summary::of(&published.film, error, Some(techniques)));
+        let photons = published.photons.clone();
+        let summary = pool.run(|| Summary::of(&published.film, error, Some(techniques), photons));
         (published.stats, summary)
     };
     shared.publish(|published| published.take(stats, Some(summary)));

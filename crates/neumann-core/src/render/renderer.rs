@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use super::adaptive::Adaptive;
-use super::{RenderSettings, WorkerPool};
+use super::{RenderSettings, WorkerPool, photons};
 use crate::endpoint::Camera;
 use crate::film::{Film, Frame, NextFilm, PhotonReport, TechniqueFilm};
 use crate::integrator::{Integrator, PixelIntegrator, Shot};
 use crate::pass::{CancelToken, Cancelled, Coverage, Pass, Plan, Seen};
+use crate::photons::{PhotonMap, PhotonPicture};
 use crate::scene::Scene;
 
 /// Runs the iterations of one set of settings.
@@ -189,6 +190,51 @@ impl Renderer {
         self.pool
             .run(|| iterate(&mut integrator, adaptive.as_mut(), scene, &mut pass))?;
         Ok(pass.into_seen())
+    }
+
+    /// The photons that the latest iteration reads its light from, or before there is one, the
+    /// first; `None` if the method has none. What it renders does not change by it.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the token was.
+    pub fn photons(&mut self, cancel: &CancelToken) -> Result<Option<Arc<PhotonMap>>, Cancelled> {
+        let (pool, integrator) = (&self.pool, &mut self.integrator);
+        let Integrator::Passes(passes) = integrator else {
+            return Ok(None);
+        };
+        let iteration = self.next_iteration.saturating_sub(1);
+        // Whatever the frame holds has been taken, and is cleared before the next iteration.
+        let mut pass = Pass::new(
+            (&mut self.frame, None),
+            &self.camera,
+            &self.coverage,
+            self.settings.numbers(iteration),
+            cancel,
+            None,
+        );
+        let scene = &*self.scene;
+        pool.run(|| passes.photons(scene, &mut pass))
+    }
+
+    /// Draws photons as points: all that the camera sees, through glass as if it were not there.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the token was.
+    pub fn draw_photons(
+        &mut self,
+        map: &PhotonMap,
+        cancel: &CancelToken,
+    ) -> Result<PhotonPicture, Cancelled> {
+        let mut pass = Pass::new(
+            (&mut self.frame, None),
+            &self.camera,
+            &self.coverage,
+            self.settings.numbers(map.iteration),
+            cancel,
+            None,
+        );
+        let scene = &*self.scene;
+        self.pool.run(|| photons::draw(map, scene, &mut pass))
     }
 
     fn run(&mut self, film: Option<NextFilm<'_>>, cancel: &CancelToken) -> Result<(), Cancelled> {

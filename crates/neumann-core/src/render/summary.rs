@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use super::RenderSettings;
 use crate::film::{Film, PhotonReport, TechniqueFilm};
+use crate::photons::PhotonPicture;
 use crate::radiometry::Rgb;
 
 /// Thumbnails, shares and error are renewed this often.
@@ -55,6 +56,9 @@ pub struct Published {
     /// The techniques apart, renewed with the thumbnails while
     /// [`record_techniques`](super::RenderLoop::record_techniques) is on.
     pub techniques: Option<Arc<TechniqueFilm>>,
+    /// The photons of the latest iteration as the camera sees them, renewed with the thumbnails
+    /// while [`draw_photons`](super::RenderLoop::draw_photons) is on; smaller as the film is.
+    pub photons: Option<Arc<PhotonPicture>>,
 }
 
 /// A small linear image.
@@ -80,6 +84,7 @@ pub(super) struct Summary {
     energy_shares: Vec<f64>,
     estimated_error: Option<f64>,
     techniques: Option<Arc<TechniqueFilm>>,
+    photons: Option<Arc<PhotonPicture>>,
 }
 
 impl Summary {
@@ -88,6 +93,7 @@ impl Summary {
         film: &Film,
         estimated_error: Option<f64>,
         techniques: Option<&TechniqueFilm>,
+        photons: Option<Arc<PhotonPicture>>,
     ) -> Self {
         Self {
             thumbnails: (0..=film.n_layers())
@@ -96,6 +102,7 @@ impl Summary {
             energy_shares: film.energy_shares(),
             estimated_error,
             techniques: techniques.map(|techniques| Arc::new(techniques.clone())),
+            photons,
         }
     }
 }
@@ -114,6 +121,7 @@ impl Published {
             self.thumbnails = summary.thumbnails;
             self.energy_shares = summary.energy_shares;
             self.techniques = summary.techniques;
+            self.photons = summary.photons;
             self.thumbnails_version += 1;
         }
     }

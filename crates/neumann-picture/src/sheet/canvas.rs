@@ -52,6 +52,20 @@ impl Canvas {
         }
     }
 
+    /// Puts pixels on the page as they are, their upper left corner at `(x, y)`; what reaches
+    /// beyond it is cut off.
+    pub(super) fn paste(&mut self, x: usize, y: usize, source: &Pixels8) {
+        let width = source.width.min(self.width.saturating_sub(x));
+        if width == 0 {
+            return;
+        }
+        let rows = source.pixels.chunks_exact(source.width);
+        for (row, pixels) in rows.take(self.height.saturating_sub(y)).enumerate() {
+            let start = (y + row) * self.width + x;
+            self.pixels[start..start + width].copy_from_slice(&pixels[..width]);
+        }
+    }
+
     /// Draws a picture scaled to a rectangle: radiance is averaged, then shown.
     pub(super) fn picture(&mut self, rect: Rect, source: &Thumbnail<'_>, display: &Display) {
         for y in 0..rect.height {

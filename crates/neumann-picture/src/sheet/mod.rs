@@ -6,6 +6,7 @@
 
 mod canvas;
 mod label;
+mod photons;
 mod techniques;
 mod text;
 
@@ -20,6 +21,7 @@ use label::percent;
 use text::{Align, Face, Style, Typesetter};
 
 pub use label::formula;
+pub use photons::photon_sheet;
 pub use techniques::{technique_name, technique_sheet};
 
 /// What stands on the sheet beside the pictures.

@@ -9,6 +9,7 @@
 //! its row [`Needs`]. What the film is, and which part of the series is chosen, is not its own: a
 //! *part* (`neumann_core::film::View`) is shown by a *view*.
 
+pub mod photons;
 pub mod picture;
 pub mod techniques;
 
@@ -27,7 +28,7 @@ use crate::session::Session;
 use crate::setup::Setup;
 
 /// All views. The first one is what all others give way to.
-pub static VIEWS: &[&Row] = &[&picture::ROW, &techniques::ROW];
+pub static VIEWS: &[&Row] = &[&picture::ROW, &techniques::ROW, &photons::ROW];
 
 /// Draw calls that a view may make, numbered from 0 on.
 pub const N_DRAWS: usize = 1;
@@ -55,6 +56,16 @@ pub struct Row {
 pub struct Needs {
     /// It keeps the techniques of bidirectional methods apart.
     pub techniques: bool,
+    /// It draws the photons of methods that have some.
+    pub photons: bool,
+}
+
+impl Needs {
+    /// Nothing but the film.
+    pub const NOTHING: Self = Self {
+        techniques: false,
+        photons: false,
+    };
 }
 
 /// What a view does. Only `draw` is asked of all.

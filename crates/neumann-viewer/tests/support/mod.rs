@@ -59,6 +59,7 @@ pub(crate) fn published() -> Published {
         thumbnails,
         thumbnails_version: 1,
         techniques: None,
+        photons: None,
     }
 }
 
@@ -95,22 +96,45 @@ pub(crate) fn app_with_techniques() -> App {
     app_of(published, options)
 }
 
-fn techniques() -> TechniqueFilm {
-    let description = builtin("cornell").expect("a built-in scene");
-    let description = description.load().expect("a scene as it comes");
-    let scene = Arc::new(Scene::build(&description));
-    let bdpt = method("bdpt").expect("a method");
-    let settings = RenderSettings {
-        method: bdpt,
-        values: ParameterValues::defaults(bdpt.parameters),
-        n_layers: 4,
-        ..RenderSettings::new(scene.cameras()[0].clone(), 32, 32)
+/// The same, by photon mapping, with what it makes of cornell as photons.
+pub(crate) fn app_with_photons() -> App {
+    let options = ViewOptions {
+        size: Some((96, 96)),
+        integrator: Some("pm".to_owned()),
+        ..ViewOptions::default()
     };
-    let pool = WorkerPool::new(Some(1), || {}).expect("a thread");
-    let mut renderer = Renderer::new(scene, settings, pool, 0);
+    let nobody = CancelToken::default();
+    let mut renderer = renderer_of_cornell("pm", 96);
+    let map = renderer.photons(&nobody).expect("nobody cancels");
+    let map = map.expect("pm has photons");
+    let photons = renderer.draw_photons(&map, &nobody);
+    let published = Published {
+        photons: Some(Arc::new(photons.expect("nobody cancels"))),
+        ..published()
+    };
+    app_of(published, options)
+}
+
+fn techniques() -> TechniqueFilm {
+    let mut renderer = renderer_of_cornell("bdpt", 32);
     renderer.record_techniques(Some(1));
     renderer
         .iterate(&CancelToken::default())
         .expect("nobody cancels");
     renderer.techniques().expect("they are recorded").clone()
+}
+
+fn renderer_of_cornell(id: &str, side: usize) -> Renderer {
+    let description = builtin("cornell").expect("a built-in scene");
+    let description = description.load().expect("a scene as it comes");
+    let scene = Arc::new(Scene::build(&description));
+    let method = method(id).expect("a method");
+    let settings = RenderSettings {
+        method,
+        values: ParameterValues::defaults(method.parameters),
+        n_layers: 4,
+        ..RenderSettings::new(scene.cameras()[0].clone(), side, side)
+    };
+    let pool = WorkerPool::new(Some(1), || {}).expect("a thread");
+    Renderer::new(scene, settings, pool, 0)
 }

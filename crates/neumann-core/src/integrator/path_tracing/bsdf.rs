@@ -26,6 +26,7 @@ pub static METHOD: Method = Method {
     },
     bias: None,
     has_techniques: false,
+    has_photons: false,
     parameters: &[],
     build: |_: &ParameterValues| Integrator::Pixels(Box::new(BsdfSampling)),
 };

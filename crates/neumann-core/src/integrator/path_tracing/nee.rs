@@ -29,6 +29,7 @@ pub static METHOD: Method = Method {
     sight: Sight::FULL,
     bias: None,
     has_techniques: false,
+    has_photons: false,
     parameters: &[LIGHTS],
     build: |values: &ParameterValues| {
         Integrator::Pixels(Box::new(NextEvent {

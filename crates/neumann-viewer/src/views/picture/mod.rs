@@ -4,7 +4,7 @@ mod caption;
 mod hand;
 mod wipe;
 
-use egui::{Align2, Color32, Pos2, Rect, Role, Sense, Ui, WidgetInfo, pos2};
+use egui::{Align2, Color32, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2};
 use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
 use neumann_picture::png_file::Pixels8;
@@ -22,7 +22,7 @@ pub static ROW: Row = Row {
     title: "Picture",
     about: "Any part of the series, as the film has it.",
     key: None,
-    needs: Needs { techniques: false },
+    needs: Needs::NOTHING,
     refusal: |_| None,
     build: || Box::new(PictureView),
 };
@@ -34,19 +34,8 @@ impl View for PictureView {
     fn draw(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
         let p = Palette::of(ui);
         let rect = stage.rect;
-        let size = shown_size(stage.session);
-        let place = |ui: &Ui, settings: &ViewSettings| {
-            Placement::new(rect, ui.pixels_per_point(), size, settings)
-        };
-        let placement = place(ui, stage.settings);
-        let response = ui.interact(rect, ui.scope_id().with("picture"), Sense::click_and_drag());
         let caption = stage.settings.part.caption();
-        response
-            .widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("picture: {caption}")));
-        hand::take_pointer(ui, &response, &placement, stage);
-        // The pointer may just have moved the picture.
-        let placement = place(ui, stage.settings);
-        *stage.placement = Some(placement);
+        let (response, placement) = take_pointer(ui, stage, &format!("picture: {caption}"));
         let session = &mut *stage.session;
         session.picture.compose(&session.link, stage.settings.part);
         let covered = if session.picture.is_there() {
@@ -85,7 +74,7 @@ impl View for PictureView {
         let fraction = stage.placement.as_ref()?.fraction(at)?;
         Some(stage.session.link.read(|published| {
             let divisor = published.divisor.max(1);
-            Reading::new(&published.film, stage.settings.part, fraction, divisor)
+            Reading::of_film(&published.film, stage.settings.part, fraction, divisor)
         }))
     }
 
@@ -110,6 +99,24 @@ impl View for PictureView {
             pixels: Box::new(move || Pixels8::of(&image, &display)),
         })
     }
+}
+
+/// Places the film on the stage, and lets the pointer act on it and on the camera; `name` is for
+/// whoever does not see it. Yields what the pointer does, and where the film stands.
+pub(super) fn take_pointer(ui: &Ui, stage: &mut Stage<'_>, name: &str) -> (Response, Placement) {
+    let rect = stage.rect;
+    let size = shown_size(stage.session);
+    let place = |ui: &Ui, settings: &ViewSettings| {
+        Placement::new(rect, ui.pixels_per_point(), size, settings)
+    };
+    let placement = place(ui, stage.settings);
+    let response = ui.interact(rect, ui.scope_id().with("picture"), Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
+    hand::take_pointer(ui, &response, &placement, stage);
+    // The pointer may just have moved the picture.
+    let placement = place(ui, stage.settings);
+    *stage.placement = Some(placement);
+    (response, placement)
 }
 
 /// What stands where no picture is yet: what is being done, and a bar of how far it is.
@@ -137,7 +144,7 @@ fn show_waiting(ui: &Ui, stage: &Stage<'_>) {
 }
 
 /// Fills what the picture leaves of the stage.
-fn fill_around(ui: &Ui, rect: Rect, covered: Rect, color: Color32) {
+pub(super) fn fill_around(ui: &Ui, rect: Rect, covered: Rect, color: Color32) {
     if !covered.is_positive() {
         ground::fill(ui, rect, color);
         return;

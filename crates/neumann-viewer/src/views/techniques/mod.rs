@@ -33,7 +33,10 @@ pub static ROW: Row = Row {
         "techniques (s, t) apart",
         &[keys::on(keys::NONE, Key::V, Action::View(ID))],
     )),
-    needs: Needs { techniques: true },
+    needs: Needs {
+        techniques: true,
+        ..Needs::NOTHING
+    },
     refusal: |setup| {
         let name = setup.method().name;
         let text =

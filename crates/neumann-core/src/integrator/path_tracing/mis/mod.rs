@@ -37,6 +37,7 @@ pub static METHOD: Method = Method {
     sight: Sight::FULL,
     bias: None,
     has_techniques: false,
+    has_photons: false,
     parameters: &[
         Parameter {
             name: "roulette",

@@ -1,0 +1,260 @@
+//! The photons of a method as points: what its photon map holds where the camera looks.
+//!
+//! While the view is open the renderer draws the photons of the latest iteration. [`PhotonView`]
+//! owns them and the texture that they are painted to; `legend` says what their colours mean.
+
+mod legend;
+mod words;
+
+use std::sync::Arc;
+
+use egui::{
+    Align2, Color32, ColorImage, Context, Key, Painter, Pos2, Rect, TextureFilter, TextureHandle,
+    TextureOptions, Ui, Vec2, pos2,
+};
+use neumann_core::integrator::methods_with_photons;
+use neumann_core::photons::PhotonPicture;
+use neumann_picture::photons::{PhotonColours, PhotonLook, PowerScale, facts};
+use neumann_picture::sheet::photon_sheet;
+
+use super::picture;
+use super::{Needs, Row, Shown, Stage, View};
+use crate::display::ViewSettings;
+use crate::display::image_area::Placement;
+use crate::keys::{self, Action};
+use crate::probe::Reading;
+use crate::session::Session;
+use crate::theme::{self, GRID, Palette};
+
+use legend::Legend;
+
+/// Its row.
+pub static ROW: Row = Row {
+    id: ID,
+    title: "Photons",
+    about: "The photons of the map as points, by how often they were scattered or by their power",
+    key: Some(keys::line(
+        keys::DISPLAY,
+        "P",
+        "photons as points",
+        &[keys::on(keys::NONE, Key::P, Action::View(ID))],
+    )),
+    needs: Needs {
+        photons: true,
+        ..Needs::NOTHING
+    },
+    refusal: |setup| {
+        let method = setup.method();
+        let text = || {
+            let name = method.name;
+            format!(
+                "{name} has no photons; the photons view needs {}",
+                methods_with_photons()
+            )
+        };
+        (!method.has_photons).then(text)
+    },
+    build: || Box::new(PhotonView::default()),
+};
+
+const ID: &str = "photons";
+
+/// The photon view: what of it is looked at.
+#[derive(Default)]
+pub struct PhotonView {
+    /// What the photons are coloured by.
+    pub colours: PhotonColours,
+    photons: Option<Taken>,
+    /// Version of the picture when the renderer was last asked for photons.
+    read: Option<u64>,
+    painted: Option<Painted>,
+}
+
+/// Photons that were taken over from the renderer.
+struct Taken {
+    picture: Arc<PhotonPicture>,
+    scale: PowerScale,
+    facts: [String; 4],
+}
+
+/// Photons on a texture, and their legend.
+struct Painted {
+    of: Arc<PhotonPicture>,
+    look: PhotonLook,
+    texture: TextureHandle,
+    legend: Legend,
+}
+
+impl PhotonView {
+    /// How photons are shown. An exposure that follows the picture suits radiance; photons have a
+    /// scale of their own.
+    fn look(&self, session: &Session, settings: &ViewSettings) -> PhotonLook {
+        let mut display = settings.display();
+        if settings.is_auto {
+            display.exposure_ev = 0.0;
+        }
+        PhotonLook {
+            colours: self.colours,
+            part: settings.part,
+            n_layers: session.picture.n_layers,
+            display,
+        }
+    }
+
+    /// Paints the photons, unless they are painted already.
+    fn paint(&mut self, ctx: &Context, look: PhotonLook) {
+        let Some(Taken { picture, scale, .. }) = &self.photons else {
+            return;
+        };
+        let is_painted =
+            |painted: &Painted| Arc::ptr_eq(&painted.of, picture) && painted.look == look;
+        if self.painted.as_ref().is_some_and(is_painted) {
+            return;
+        }
+        let largest = ctx.input(|input| input.max_texture_side);
+        if picture.width().max(picture.height()) > largest {
+            return;
+        }
+        let pixels = look.pixels(picture, *scale);
+        let size = [pixels.width, pixels.height];
+        let coded = pixels.pixels.into_iter();
+        let coded = coded.map(|[r, g, b]| Color32::from_rgb(r, g, b));
+        let image = ColorImage::new(size, coded.collect());
+        let texture = match self.painted.take() {
+            Some(mut painted) => {
+                painted.texture.set(image, POINTS);
+                painted.texture
+            }
+            None => ctx.load_texture(ID, image, POINTS),
+        };
+        self.painted = Some(Painted {
+            of: Arc::clone(picture),
+            look,
+            texture,
+            legend: Legend::new(picture, *scale, &look),
+        });
+    }
+}
+
+/// A point is a square pixel, however large; where the picture is shrunk none is left out.
+const POINTS: TextureOptions = TextureOptions {
+    magnification: TextureFilter::Nearest,
+    minification: TextureFilter::Linear,
+    ..TextureOptions::LINEAR
+};
+
+impl View for PhotonView {
+    fn close(&mut self) {
+        *self = Self {
+            colours: self.colours,
+            ..Self::default()
+        };
+    }
+
+    fn attend(&mut self, session: &Session, _settings: &ViewSettings) -> bool {
+        if self.read == Some(session.picture.version) {
+            return true;
+        }
+        self.read = Some(session.picture.version);
+        // What was drawn last stays while a job has nothing new yet.
+        let published = session.link.read(|published| published.photons.clone());
+        let is_new = |picture: &Arc<PhotonPicture>| {
+            let old = self.photons.as_ref();
+            old.is_none_or(|old| !Arc::ptr_eq(&old.picture, picture))
+        };
+        if let Some(picture) = published.filter(is_new) {
+            self.photons = Some(Taken {
+                scale: PowerScale::of(&picture),
+                facts: facts(&picture),
+                picture,
+            });
+        }
+        true
+    }
+
+    fn draw(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
+        let p = Palette::of(ui);
+        let look = self.look(stage.session, stage.settings);
+        let caption = look.caption();
+        let facts = self.photons.as_ref().map(|taken| taken.facts.clone());
+        let name = match &facts {
+            Some(facts) => format!("{caption}, {}", facts.join(" · ")),
+            None => format!("{caption}, none yet"),
+        };
+        let (response, placement) = picture::take_pointer(ui, stage, &name);
+        self.paint(ui.ctx(), look);
+        let rect = stage.rect;
+        let painter = ui.painter().with_clip_rect(rect);
+        let Some(painted) = &self.painted else {
+            picture::fill_around(ui, rect, Rect::NOTHING, p.ground);
+            let text = words::waiting(stage.session, self.photons.is_some());
+            let at = rect.center();
+            painter.text(at, Align2::CENTER_CENTER, text, theme::body(), p.weak);
+            return None;
+        };
+        picture::fill_around(ui, rect, placement.visible, p.ground);
+        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+        painter.image(painted.texture.id(), placement.film, whole, Color32::WHITE);
+        if let Some(facts) = &facts {
+            show_caption(&painter, rect, &caption, facts, &p);
+        }
+        if let Some(colours) = painted.legend.show(ui, rect, self.colours) {
+            self.colours = colours;
+            ui.ctx().request_repaint();
+        }
+        response.hover_pos()
+    }
+
+    fn probe(&self, at: Pos2, stage: &Stage<'_>) -> Option<Reading> {
+        let picture = &self.photons.as_ref()?.picture;
+        let fraction = stage.placement.as_ref()?.fraction(at)?;
+        let size = (picture.width(), picture.height());
+        let (x, y) = Placement::pixel(fraction, size);
+        let look = self.look(stage.session, stage.settings);
+        let full = Placement::pixel(fraction, stage.placement.as_ref()?.size);
+        Some(words::reading(
+            picture.of_pixel(y * size.0 + x),
+            full,
+            &look,
+        ))
+    }
+
+    fn image(&self, session: &Session, settings: &ViewSettings) -> Option<Shown> {
+        let taken = self.photons.as_ref()?;
+        let (picture, scale) = (Arc::clone(&taken.picture), taken.scale);
+        let look = self.look(session, settings);
+        let open = session.setup.open.as_ref();
+        let scene = open.map_or("scene", |open| open.short_name()).to_owned();
+        let line = format!("{} · {}", look.caption(), session.setup.method().id);
+        Some(Shown {
+            name: format!("photons-{}", self.colours),
+            pixels: Box::new(move || photon_sheet(&picture, scale, &look, [&scene, &line])),
+        })
+    }
+}
+
+/// What is shown, and of how many photons, in the upper left corner of `rect`.
+fn show_caption(painter: &Painter, rect: Rect, caption: &str, facts: &[String], p: &Palette) {
+    let room = rect.width() - 6.0 * GRID;
+    let caption = painter.layout(caption.to_owned(), theme::body(), p.text, room);
+    let line = |facts: &[String]| painter.layout_no_wrap(facts.join(" · "), theme::small(), p.weak);
+    // Where there is no room for all, how many there are is left to the status line.
+    let all = line(facts);
+    let facts = if all.size().x > room {
+        line(&facts[2..])
+    } else {
+        all
+    };
+    let at = rect.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
+    let below = caption.size().y + 2.0;
+    let size = Vec2::new(caption.size().x.max(facts.size().x), below + facts.size().y);
+    let spot = Rect::from_min_size(at, size);
+    painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, plate(p));
+    painter.galley(at, caption, p.text);
+    painter.galley(at + Vec2::new(0.0, below), facts, p.weak);
+}
+
+/// What text stands on: photons below it are too busy for the plate of a picture's caption.
+fn plate(p: &Palette) -> Color32 {
+    p.ground.gamma_multiply(0.92)
+}

@@ -353,8 +353,8 @@ fn the_loop_ends_at_full_resolution_with_the_same_bits() {
 fn techniques_of_a_picture_that_is_done_are_found() {
     let scene = builtin("cornell");
     let (render_loop, bell) = watched_loop();
-    let bdpt = METHODS.iter().find(|method| method.has_techniques);
-    let setup = Setup::new(&scene, 60, 40).by(bdpt.expect("one")).up_to(3);
+    let method = METHODS.iter().find(|method| method.has_techniques);
+    let setup = Setup::new(&scene, 60, 40).by(method.expect("one")).up_to(3);
     render_loop.start(Job {
         scene: Arc::clone(&scene),
         settings: setup.settings.clone(),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use neumann_core::film::{Film, Joint, TechniqueFilm, TechniqueImage};
-use neumann_core::integrator::{Value, method};
+use neumann_core::integrator::{METHODS, Value, method};
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::{CancelToken, Renderer};
 use neumann_tests::renders::{Setup, pool};
@@ -34,6 +34,7 @@ fn recorded(id: &str, scene: &str, max_bounces: u32) -> (Film, TechniqueFilm) {
 fn weighted_techniques_add_up_to_the_image() {
     // The last one has paths beyond the terms that are kept apart.
     for (id, scene, max_bounces) in [
+        ("pt-mis", "cornell-glass", 6),
         ("bdpt", "lamps", 6),
         ("vcm", "cornell-glass", 6),
         ("bdpt", "bleed", 12),
@@ -79,11 +80,13 @@ fn weighted_techniques_add_up_to_the_image() {
 /// Recording is looking: it must not change what is rendered.
 #[test]
 fn recording_changes_no_bit() {
-    let (film, _) = recorded("vcm", "cornell-glass", 6);
-    let setup = Setup::new(&builtin("cornell-glass"), 64, 48)
-        .by(method("vcm").unwrap())
-        .up_to(6);
-    assert_eq!(setup.film(0, 4).layers(), film.layers());
+    for method in METHODS.iter().filter(|method| method.has_techniques) {
+        let (film, _) = recorded(method.id, "cornell-glass", 6);
+        let setup = Setup::new(&builtin("cornell-glass"), 64, 48)
+            .by(method)
+            .up_to(6);
+        assert_eq!(setup.film(0, 4).layers(), film.layers(), "{}", method.id);
+    }
 }
 
 /// Without merges, vertex connection and merging is bidirectional path tracing.

@@ -22,7 +22,7 @@ pub use features::Features;
 pub use film::{Film, FilmError, Spread};
 pub use frame::{Frame, PhotonReport};
 pub(crate) use frame::{LitLayers, Slot, TILE, TILE_PIXELS, TileBounds, TileGrid, add_to_tile};
-pub use techniques::{TechniqueFilm, TechniqueImage};
+pub use techniques::{TechniqueCell, TechniqueFilm, TechniqueImage, TechniqueRow, TechniqueTable};
 pub(crate) use tile::{FilmTile, NextFilm};
 pub use view::View;
 

@@ -1,4 +1,4 @@
-//! What each technique of a bidirectional method adds, kept apart: the pyramid of Veach's thesis.
+//! What each technique of a method adds, kept apart: the pyramid of Veach's thesis.
 //!
 //! For each technique (s, t) and each merge: the mean of its contributions as they are, the mean of
 //! the same times their MIS weights, and the mean weight. It is kept at reduced resolution and only
@@ -104,6 +104,62 @@ impl RecordShape {
             technique,
             value: contribution.value,
             mis_weight: contribution.mis_weight,
+        }
+    }
+}
+
+/// Techniques in rows and columns, [`TechniqueFilm::table`].
+///
+/// A column is a number of vertices from the light, s; merges have columns of their own, behind the
+/// others. A cell is there for every technique that is like one that has made something: as many
+/// vertices from the light as any has, subpaths of light that meet the lens if one does, and merges
+/// if there are some.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TechniqueTable {
+    /// One row for each bounce, from 0 on.
+    pub rows: Vec<TechniqueRow>,
+    /// Columns, those of merges among them.
+    pub n_columns: usize,
+    /// The first column of merges, if there are some.
+    pub first_merge: Option<usize>,
+}
+
+/// The techniques of a bounce.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TechniqueRow {
+    /// Stops by which images of the row are brightened, so that it is about as bright as the
+    /// brightest row that light was scattered in.
+    pub gain: u8,
+    /// Its techniques.
+    pub cells: Vec<TechniqueCell>,
+}
+
+/// A technique in its table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TechniqueCell {
+    /// The technique.
+    pub strategy: Strategy,
+    /// Where it stands in its row.
+    pub column: usize,
+    /// Its [`TechniqueFilm::share`].
+    pub share: f64,
+    /// False if it has made nothing yet.
+    pub is_made: bool,
+}
+
+impl TechniqueTable {
+    /// Most stops by which a row is brightened.
+    pub const MOST_GAIN: u8 = 10;
+
+    fn choose_gains(&mut self) {
+        let energy = |row: &TechniqueRow| row.cells.iter().map(|cell| cell.share).sum::<f64>();
+        let brightest = self.rows.iter().skip(1).map(energy).fold(0.0, f64::max);
+        for row in self.rows.iter_mut().skip(1) {
+            let energy = energy(row);
+            if energy > 0.0 {
+                let stops = (brightest / energy).log2().round();
+                row.gain = stops.clamp(0.0, f64::from(Self::MOST_GAIN)) as u8;
+            }
         }
     }
 }
@@ -236,28 +292,61 @@ impl TechniqueFilm {
         }
     }
 
-    /// The techniques of each bounce that have made anything yet, as [`Self::techniques`], with
-    /// their
-    /// [`Self::share`]: all of them in the time of one.
+    /// The techniques as a table: one row for each bounce, up to the last that any technique has
+    /// made something of.
     #[must_use]
-    pub fn shares(&self) -> Vec<Vec<(Strategy, f64)>> {
+    pub fn table(&self) -> TechniqueTable {
+        let is_made = |strategy: Strategy| self.planes[index_of(strategy)].is_some();
+        let all = || (0..self.n_bounces).flat_map(techniques_of);
+        let is_merge = |strategy: &Strategy| strategy.joint == Joint::Merge;
+        let made: Vec<Strategy> = all().filter(|strategy| is_made(*strategy)).collect();
+        let most = made.iter().filter(|s| !is_merge(s)).map(|s| s.s).max();
+        let meets_lens = made.iter().any(|s| s.t == 0);
+        let merges = made.iter().any(is_merge);
+        let is_there = |strategy: &Strategy| {
+            if is_merge(strategy) {
+                return merges;
+            }
+            let is_reached = most.is_some_and(|most| strategy.s <= most);
+            is_reached && (meets_lens || strategy.t > 0)
+        };
+        let first_merge = most.map_or(0, |most| usize::from(most) + 1);
+        let mut table = TechniqueTable {
+            rows: Vec::new(),
+            n_columns: first_merge,
+            first_merge: merges.then_some(first_merge),
+        };
+        let n_rows = made.iter().map(|s| s.bounce() as usize + 1).max();
         let mut total = luminance_of(&self.rest);
-        let mut shares: Vec<Vec<(Strategy, f64)>> = Vec::new();
-        for bounce in 0..self.n_bounces {
-            let energies = techniques_of(bounce).filter_map(|strategy| {
-                let plane = self.planes[index_of(strategy)].as_ref()?;
-                Some((strategy, luminance_of(&plane.weighted)))
+        for bounce in 0..n_rows.unwrap_or(0) {
+            let there = techniques_of(bounce).filter(is_there);
+            let cells = there.map(|strategy| {
+                let plane = self.planes[index_of(strategy)].as_ref();
+                let s = usize::from(strategy.s);
+                TechniqueCell {
+                    strategy,
+                    column: if is_merge(&strategy) {
+                        first_merge + s - 2
+                    } else {
+                        s
+                    },
+                    share: plane.map_or(0.0, |plane| luminance_of(&plane.weighted)),
+                    is_made: plane.is_some(),
+                }
             });
-            let energies: Vec<_> = energies.collect();
-            total += energies.iter().map(|(_, energy)| energy).sum::<f64>();
-            shares.push(energies);
+            let cells: Vec<_> = cells.collect();
+            let last = cells.iter().map(|cell| cell.column + 1).max();
+            table.n_columns = table.n_columns.max(last.unwrap_or(0));
+            total += cells.iter().map(|cell| cell.share).sum::<f64>();
+            table.rows.push(TechniqueRow { gain: 0, cells });
         }
         if total > 0.0 {
-            for (_, energy) in shares.iter_mut().flatten() {
-                *energy /= total;
+            for cell in table.rows.iter_mut().flat_map(|row| &mut row.cells) {
+                cell.share /= total;
             }
         }
-        shares
+        table.choose_gains();
+        table
     }
 
     /// Sums over iterations and pixels to means; pixels at the lower and right edge may be cut.
@@ -314,38 +403,95 @@ impl TechniqueFilm {
 
 #[cfg(test)]
 mod tests {
-    use super::{Contribution, Strategy, TechniqueFilm, index_of, techniques_of};
+    use super::{Contribution, Strategy, TechniqueFilm, TechniqueTable, index_of, techniques_of};
     use crate::radiometry::Rgb;
 
-    #[test]
-    fn shares_of_all_are_the_shares_of_each() {
-        let mut film = TechniqueFilm::new(2, 1, 1, 2);
-        let record = |strategy: Strategy, value| {
+    fn filled(n_bounces: usize, contributions: &[(Strategy, f32)]) -> TechniqueFilm {
+        let mut film = TechniqueFilm::new(2, 1, 1, n_bounces);
+        let shape = film.shape();
+        let records = contributions.iter().map(|(strategy, value)| {
             let contribution = Contribution {
-                value: Rgb::splat(value),
+                value: Rgb::splat(*value),
                 mis_weight: 0.5,
                 bounce: strategy.bounce(),
-                strategy,
+                strategy: *strategy,
             };
-            film.shape().record((0, 0), &contribution)
-        };
-        let records = [
-            record(Strategy::hit(2), 1.0),
-            record(Strategy::connect(1, 2), 3.0),
-            record(Strategy::hit(9), 4.0),
-        ];
-        film.take(&records);
+            shape.record((0, 0), &contribution)
+        });
+        film.take(&records.collect::<Vec<_>>());
         film.end_iteration();
-        let shares = film.shares();
-        assert_eq!(shares.len(), 2);
-        assert_eq!(
-            shares[0],
-            [(Strategy::hit(2), film.share(Strategy::hit(2)))]
-        );
-        let (strategy, share) = shares[1][0];
-        assert_eq!(strategy, Strategy::connect(1, 2));
+        film
+    }
+
+    #[test]
+    fn the_table_has_the_shares_of_each() {
+        let (seen, aimed) = (Strategy::hit(2), Strategy::connect(1, 2));
+        let film = filled(2, &[(seen, 1.0), (aimed, 3.0), (Strategy::hit(9), 4.0)]);
+        let table = film.table();
+        assert_eq!(table.rows.len(), 2);
+        let share = |k: usize, column: usize| {
+            let cells = table.rows[k].cells.iter();
+            let mut cells = cells.filter(|cell| cell.column == column);
+            cells.next().map(|cell| (cell.strategy, cell.share))
+        };
+        assert_eq!(share(0, 0), Some((seen, film.share(seen))));
+        let (strategy, share) = share(1, 1).expect("light was aimed at");
+        assert_eq!(strategy, aimed);
         assert!((share - 3.0 / 8.0).abs() < 1e-6, "{share}");
-        assert!((film.share(strategy) - share).abs() < 1e-12);
+        assert!((film.share(aimed) - share).abs() < 1e-12);
+    }
+
+    /// A path tracer has two columns, whatever the bounce; a bidirectional one has as many as there
+    /// are vertices, and merges behind them. Where nothing was made the cell is there.
+    #[test]
+    fn columns_of_the_table_keep_their_vertices_from_the_light() {
+        let columns = |film: &TechniqueFilm| -> Vec<Vec<(usize, bool)>> {
+            let rows = film.table().rows.into_iter();
+            let cells = rows.map(|row| row.cells.into_iter());
+            let places = cells.map(|cells| cells.map(|cell| (cell.column, cell.is_made)).collect());
+            places.collect()
+        };
+        let path = filled(
+            4,
+            &[(Strategy::hit(2), 1.0), (Strategy::connect(1, 3), 1.0)],
+        );
+        let [there, empty] = [true, false];
+        assert_eq!(
+            columns(&path),
+            [
+                vec![(0, there), (1, empty)],
+                vec![(0, empty), (1, empty)],
+                vec![(0, empty), (1, there)]
+            ]
+        );
+        let merging = filled(
+            4,
+            &[(Strategy::connect(2, 1), 1.0), (Strategy::merge(2, 2), 1.0)],
+        );
+        assert_eq!(
+            columns(&merging),
+            [
+                vec![(0, empty), (1, empty)],
+                vec![(0, empty), (1, empty), (2, there), (3, there)]
+            ]
+        );
+        assert_eq!(merging.table().first_merge, Some(3));
+        assert_eq!(merging.table().n_columns, 4);
+    }
+
+    #[test]
+    fn dark_rows_are_brightened_by_whole_stops() {
+        let film = filled(
+            4,
+            &[
+                (Strategy::hit(2), 100.0),
+                (Strategy::hit(3), 8.0),
+                (Strategy::hit(4), 1.0),
+                (Strategy::hit(5), 1e-6),
+            ],
+        );
+        let gains: Vec<_> = film.table().rows.iter().map(|row| row.gain).collect();
+        assert_eq!(gains, [0, 0, 3, TechniqueTable::MOST_GAIN]);
     }
 
     #[test]

@@ -1,11 +1,11 @@
-//! The techniques of a bidirectional method on one sheet: Veach's pyramid.
+//! The techniques of a method on one sheet: Veach's pyramid.
 //!
 //! One row for each bounce; in it the ways to cut the path in two, from s = 0 on the left (the
-//! camera's walk found the light) to t = 0 on the right (the light's walk found the lens), then the
-//! merges. The pyramid stands there three times: as each technique counts, as each would be alone,
+//! camera's walk found the light) on, then the merges. A column keeps its s, and dark rows are
+//! brightened. The pyramid stands there three times: as each technique counts, as each would be alone,
 //! and how much each weighs.
 
-use neumann_core::film::{Joint, Strategy, TechniqueFilm, TechniqueImage};
+use neumann_core::film::{Joint, Strategy, TechniqueFilm, TechniqueImage, TechniqueTable};
 use neumann_core::radiometry::Rgb;
 
 use super::canvas::{Canvas, Rect, Thumbnail};
@@ -20,6 +20,8 @@ const LABEL: usize = 4 * UNIT;
 const BLOCK_TITLE: usize = 6 * UNIT;
 /// Between the connections of a row and its merges.
 const MERGE_GAP: usize = 4 * UNIT;
+/// Width of the names of rows.
+const ROW_NAME: usize = 8 * UNIT;
 const EDGE: usize = 16 * UNIT;
 const NARROWEST: usize = 13 * UNIT;
 
@@ -52,11 +54,8 @@ pub fn technique_name(strategy: Strategy) -> String {
 /// Lays out everything that a technique film holds.
 #[must_use]
 pub fn technique_sheet(film: &TechniqueFilm, info: &SheetInfo) -> Pixels8 {
-    let rows: Vec<Vec<Strategy>> = (0..film.n_bounces())
-        .map(|k| film.techniques(k))
-        .filter(|row| !row.is_empty())
-        .collect();
-    let layout = Layout::new(film, &rows);
+    let table = film.table();
+    let layout = Layout::new(film, &table);
     let typesetter = Typesetter::new();
     let mut canvas = Canvas::new(layout.width, layout.height, GROUND);
     let write = |canvas: &mut Canvas, text: &str, (x, y): (usize, usize), align, style: &Style| {
@@ -81,19 +80,30 @@ pub fn technique_sheet(film: &TechniqueFilm, info: &SheetInfo) -> Pixels8 {
         };
         let at = (MARGIN, top + 3 * UNIT);
         write(&mut canvas, title, at, Align::Left, &BLOCK);
-        let display = match image {
-            TechniqueImage::Weight => Display::default(),
-            TechniqueImage::Weighted | TechniqueImage::Raw => info.display,
-        };
-        for (row, techniques) in rows.iter().enumerate() {
-            let mut x = layout.first_x(techniques);
-            let y = top + BLOCK_TITLE + row * (layout.cell.1 + LABEL);
-            for (i, strategy) in techniques.iter().enumerate() {
-                let is_merge = strategy.joint == Joint::Merge;
-                if is_merge && i > 0 && techniques[i - 1].joint != Joint::Merge {
-                    x += MERGE_GAP;
-                }
-                let pixels: Vec<Rgb> = film.image(*strategy, image);
+        for (k, row) in table.rows.iter().enumerate() {
+            let y = top + BLOCK_TITLE + k * (layout.cell.1 + LABEL);
+            let middle = (MARGIN, y + layout.cell.1 / 2);
+            write(&mut canvas, &format!("k = {k}"), middle, Align::Left, &NAME);
+            let display = match image {
+                TechniqueImage::Weight => Display::default(),
+                TechniqueImage::Weighted | TechniqueImage::Raw => Display {
+                    exposure_ev: info.display.exposure_ev + f32::from(row.gain),
+                    ..info.display
+                },
+            };
+            if image != TechniqueImage::Weight && row.gain > 0 {
+                let below = (MARGIN, middle.1 + 2 * UNIT);
+                let gain = format!("+{} EV", row.gain);
+                write(&mut canvas, &gain, below, Align::Left, &SHARE);
+            }
+            for cell in &row.cells {
+                let strategy = cell.strategy;
+                let x = layout.x(cell.column);
+                let pixels: Vec<Rgb> = if cell.is_made {
+                    film.image(strategy, image)
+                } else {
+                    vec![Rgb::BLACK; film.width() * film.height()]
+                };
                 let source = Thumbnail {
                     pixels: &pixels,
                     size: (film.width(), film.height()),
@@ -106,10 +116,10 @@ pub fn technique_sheet(film: &TechniqueFilm, info: &SheetInfo) -> Pixels8 {
                 };
                 canvas.picture(rect, &source, &display);
                 let line = y + layout.cell.1 + 2 * UNIT;
-                let name = technique_name(*strategy);
+                let name = technique_name(strategy);
                 write(&mut canvas, &name, (x, line), Align::Left, &NAME);
-                if image == TechniqueImage::Weighted {
-                    let share = percent(film.share(*strategy));
+                if image == TechniqueImage::Weighted && cell.is_made {
+                    let share = percent(cell.share);
                     write(
                         &mut canvas,
                         &share,
@@ -118,7 +128,6 @@ pub fn technique_sheet(film: &TechniqueFilm, info: &SheetInfo) -> Pixels8 {
                         &SHARE,
                     );
                 }
-                x += layout.cell.0 + GUTTER;
             }
         }
     }
@@ -126,6 +135,7 @@ pub fn technique_sheet(film: &TechniqueFilm, info: &SheetInfo) -> Pixels8 {
 }
 
 struct Layout {
+    first_merge: Option<usize>,
     cell: (usize, usize),
     width: usize,
     height: usize,
@@ -133,18 +143,20 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(film: &TechniqueFilm, rows: &[Vec<Strategy>]) -> Self {
+    fn new(film: &TechniqueFilm, table: &TechniqueTable) -> Self {
         let longer = film.width().max(film.height()).max(1);
         let scaled = |n: usize| (n * EDGE).div_ceil(longer).max(1);
         let mut cell = (scaled(film.width()), scaled(film.height()));
         if cell.0 < NARROWEST {
             cell = (NARROWEST, (cell.1 * NARROWEST / cell.0).min(2 * EDGE));
         }
-        let widest = rows.iter().map(|row| row_width(row, cell.0)).max();
-        let block_height = BLOCK_TITLE + rows.len() * (cell.1 + LABEL) + 4 * UNIT;
+        let gap = table.first_merge.map_or(0, |_| MERGE_GAP);
+        let widest = ROW_NAME + table.n_columns * (cell.0 + GUTTER) + gap;
+        let block_height = BLOCK_TITLE + table.rows.len() * (cell.1 + LABEL) + 4 * UNIT;
         Self {
+            first_merge: table.first_merge,
             cell,
-            width: 2 * MARGIN + widest.unwrap_or(0).max(80 * UNIT),
+            width: 2 * MARGIN + widest.max(80 * UNIT),
             height: 2 * MARGIN + HEADING + TechniqueImage::ALL.len() * block_height,
             block_height,
         }
@@ -154,15 +166,10 @@ impl Layout {
         MARGIN + HEADING + block * self.block_height
     }
 
-    /// Rows are centred, so that the pyramid is one.
-    fn first_x(&self, row: &[Strategy]) -> usize {
-        (self.width - row_width(row, self.cell.0)) / 2
+    /// Left edge of a column.
+    fn x(&self, column: usize) -> usize {
+        let is_merge = self.first_merge.is_some_and(|first| column >= first);
+        let gap = if is_merge { MERGE_GAP } else { 0 };
+        MARGIN + ROW_NAME + column * (self.cell.0 + GUTTER) + gap
     }
-}
-
-fn row_width(row: &[Strategy], cell: usize) -> usize {
-    let has_both =
-        row.iter().any(|s| s.joint == Joint::Merge) && row.iter().any(|s| s.joint != Joint::Merge);
-    let gap = if has_both { MERGE_GAP } else { 0 };
-    row.len() * (cell + GUTTER) - GUTTER + gap
 }

@@ -54,7 +54,7 @@ pub struct Row {
 /// What the renderer does for a view while it is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
-    /// It keeps the techniques of bidirectional methods apart.
+    /// It keeps the techniques of a method apart.
     pub techniques: bool,
     /// It draws the photons of methods that have some.
     pub photons: bool,

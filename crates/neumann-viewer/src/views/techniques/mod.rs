@@ -1,4 +1,4 @@
-//! What each technique (s, t) of a bidirectional method adds: the pyramid of Veach's thesis, alive.
+//! What each technique (s, t) of a method adds: the pyramid of Veach's thesis, alive.
 //!
 //! While the view is open the renderer keeps techniques apart. [`TechniqueView`] owns what is
 //! looked at and the small pictures; `pyramid` lays them out on the stage.
@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use egui::{Key, Pos2, Ui};
 use neumann_core::film::{Strategy, TechniqueFilm, TechniqueImage, View as Part};
+use neumann_core::integrator::METHODS;
 use neumann_picture::sheet::{SheetInfo, technique_sheet};
 
 use super::{Needs, Row, Shown, Stage, View};
@@ -20,7 +21,7 @@ use crate::session::Session;
 
 pub use words::{description, label};
 
-use pictures::Tile;
+use pictures::{Tile, TileRow};
 
 /// Its row.
 pub static ROW: Row = Row {
@@ -39,8 +40,12 @@ pub static ROW: Row = Row {
     },
     refusal: |setup| {
         let name = setup.method().name;
-        let text =
-            || format!("{name} makes each path in one way only; BDPT and VCM have techniques");
+        let text = || {
+            let having = METHODS.iter().filter(|method| method.has_techniques);
+            let ids: Vec<_> = having.map(|method| method.id).collect();
+            let ids = ids.join(", ");
+            format!("{name} makes each path in one way only; these have techniques: {ids}")
+        };
         (!setup.method().has_techniques).then(text)
     },
     build: || Box::new(TechniqueView::default()),
@@ -57,37 +62,43 @@ pub struct TechniqueView {
     pub enlarged: Option<Strategy>,
     film: Option<Arc<TechniqueFilm>>,
     /// Techniques bounce by bounce.
-    rows: Vec<Vec<Tile>>,
+    rows: Vec<TileRow>,
+    /// Columns of the pyramid, and the first of those of merges.
+    columns: (usize, Option<usize>),
     /// Counts the films that were taken over.
     version: u64,
     /// Version of the picture when the renderer was last asked for a film.
     read: Option<u64>,
     /// The part of the series that was chosen when it was opened: choosing another one closes it.
     opened_on: Part,
-    is_centered: bool,
 }
 
 impl TechniqueView {
     /// The techniques that have made anything, bounce by bounce, with their shares of the energy.
     pub fn techniques(&self) -> impl Iterator<Item = (Strategy, f64)> {
-        let tiles = self.rows.iter().flatten();
-        tiles.map(|tile| (tile.strategy, tile.share))
+        let tiles = self.rows.iter().flat_map(|row| &row.tiles);
+        let made = tiles.filter(|tile| tile.cell.is_made);
+        made.map(|tile| (tile.cell.strategy, tile.cell.share))
     }
 
     fn take(&mut self, film: Arc<TechniqueFilm>) {
         self.version += 1;
-        let mut old: Vec<Tile> = self.rows.drain(..).flatten().collect();
-        for row in film.shares() {
-            let tiles = row.into_iter().map(|(strategy, share)| {
-                let known = old.iter().position(|tile| tile.strategy == strategy);
-                let mut tile = known.map_or_else(|| Tile::new(strategy), |i| old.swap_remove(i));
-                tile.share = share;
+        let old = self.rows.drain(..).flat_map(|row| row.tiles);
+        let mut old: Vec<Tile> = old.collect();
+        let table = film.table();
+        self.columns = (table.n_columns, table.first_merge);
+        for row in table.rows {
+            let tiles = row.cells.into_iter().map(|cell| {
+                let is_it = |tile: &Tile| tile.cell.strategy == cell.strategy;
+                let known = old.iter().position(is_it);
+                let mut tile = known.map_or_else(|| Tile::new(cell), |i| old.swap_remove(i));
+                tile.cell = cell;
                 tile
             });
-            self.rows.push(tiles.collect());
-        }
-        while self.rows.last().is_some_and(Vec::is_empty) {
-            self.rows.pop();
+            self.rows.push(TileRow {
+                gain: row.gain,
+                tiles: tiles.collect(),
+            });
         }
         self.film = Some(film);
     }

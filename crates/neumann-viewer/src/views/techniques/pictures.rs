@@ -3,14 +3,20 @@
 use std::time::{Duration, Instant};
 
 use egui::{Color32, ColorImage, Context, TextureHandle, TextureId, TextureOptions};
-use neumann_core::film::{Strategy, TechniqueFilm, TechniqueImage};
+use neumann_core::film::{Strategy, TechniqueCell, TechniqueFilm, TechniqueImage};
 use neumann_picture::png_file::Pixels8;
 use neumann_picture::tone::{Display, ToneCurve};
 
-/// A technique with its share of the energy and its picture.
+/// The techniques of a bounce.
+pub(super) struct TileRow {
+    /// Stops by which their pictures are brightened.
+    pub(super) gain: u8,
+    pub(super) tiles: Vec<Tile>,
+}
+
+/// A technique with its place, its share of the energy, and its picture.
 pub(super) struct Tile {
-    pub(super) strategy: Strategy,
-    pub(super) share: f64,
+    pub(super) cell: TechniqueCell,
     texture: Option<TextureHandle>,
     made: Option<Made>,
 }
@@ -44,10 +50,9 @@ impl Allowance {
 }
 
 impl Tile {
-    pub(super) fn new(strategy: Strategy) -> Self {
+    pub(super) fn new(cell: TechniqueCell) -> Self {
         Self {
-            strategy,
-            share: 0.0,
+            cell,
             texture: None,
             made: None,
         }
@@ -76,7 +81,7 @@ impl Tile {
             exposure_ev: wanted.display.0,
             tone: wanted.display.1,
         };
-        let pixels = pixels(film, self.strategy, wanted.image, display);
+        let pixels = pixels(film, self.cell.strategy, wanted.image, display);
         let size = [pixels.width, pixels.height];
         if pixels.pixels.len() != size[0] * size[1] {
             return;
@@ -87,7 +92,7 @@ impl Tile {
         match &mut self.texture {
             Some(texture) => texture.set(image, TextureOptions::LINEAR),
             None => {
-                let name = super::label(self.strategy);
+                let name = super::label(self.cell.strategy);
                 self.texture = Some(ctx.load_texture(name, image, TextureOptions::LINEAR));
             }
         }

@@ -41,8 +41,6 @@ pub(super) fn show(
     let Some(film) = view.film.clone() else {
         let text = if session.link.is_paused() {
             "paused: nothing is recorded until rendering goes on"
-        } else if session.picture.stats.is_done {
-            "done: begin again (R) to record"
         } else {
             "recording …"
         };
@@ -104,11 +102,16 @@ fn fitting(ui: &Ui, texts: [String; 2], room: f32, font: FontId, color: Color32)
     if long.size().x <= room { long } else { short }
 }
 
-fn made(view: &TechniqueView, viewing: &ViewSettings) -> Made {
+/// A picture of a row that is brightened by `gain` stops; a weight is shown as it is.
+fn made(image: TechniqueImage, version: u64, gain: u8, viewing: &ViewSettings) -> Made {
+    let gain = match image {
+        TechniqueImage::Weight => 0.0,
+        TechniqueImage::Raw | TechniqueImage::Weighted => f32::from(gain),
+    };
     Made {
-        version: view.version,
-        image: view.image,
-        display: (viewing.exposure_ev, viewing.tone),
+        version,
+        image,
+        display: (viewing.exposure_ev + gain, viewing.tone),
     }
 }
 
@@ -117,22 +120,38 @@ struct Layout {
     image: Vec2,
     pitch: Vec2,
     size: Vec2,
+    first_merge: Option<usize>,
 }
 
 impl Layout {
-    /// Images as large as the widest row allows, within reason; beyond that it scrolls.
+    /// Images as large as the columns allow, within reason; beyond that it scrolls.
     fn new(view: &TechniqueView, film: &TechniqueFilm, room: Vec2) -> Self {
-        let widest = view.rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as f32;
-        let fitting = (room.x - MERGE_GAP) / widest - GRID;
+        let (n_columns, first_merge) = view.columns;
+        let n_columns = n_columns.max(1) as f32;
+        let gap = first_merge.map_or(0.0, |_| MERGE_GAP);
+        let fitting = (room.x - gap) / n_columns - GRID;
         let aspect = film.width() as f32 / film.height().max(1) as f32;
         let tallest = 0.2 * room.y;
         let width = fitting.clamp(88.0, 176.0).min((tallest * aspect).max(64.0));
         let image = Vec2::new(width, width / aspect).round();
         // Labels of merges need some room whatever the shape of the image.
         let pitch = Vec2::new(image.x.max(84.0) + GRID, image.y + LABEL + GRID);
-        let n_rows = view.rows.iter().filter(|row| !row.is_empty()).count();
-        let size = Vec2::new(widest * pitch.x + MERGE_GAP, n_rows as f32 * pitch.y + GRID);
-        Self { image, pitch, size }
+        let size = Vec2::new(
+            n_columns * pitch.x + gap,
+            view.rows.len() as f32 * pitch.y + GRID,
+        );
+        Self {
+            image,
+            pitch,
+            size,
+            first_merge,
+        }
+    }
+
+    /// Left edge of a column.
+    fn x(&self, column: usize) -> f32 {
+        let is_merge = self.first_merge.is_some_and(|first| column >= first);
+        column as f32 * self.pitch.x + if is_merge { MERGE_GAP } else { 0.0 }
     }
 }
 
@@ -144,58 +163,52 @@ fn pyramid(
     viewing: &ViewSettings,
 ) {
     let p = Palette::of(ui);
-    let wanted = made(view, viewing);
     let names = Rect::from_min_max(rect.min, pos2(rect.left() + MARGIN, rect.bottom()));
     let room = Rect::from_min_max(names.right_top(), rect.max - Vec2::new(GRID, 0.0));
     let layout = Layout::new(view, film, room.size());
     let names = ui.painter().with_clip_rect(names);
-    let mut area = ScrollArea::both().id_salt("pyramid").auto_shrink(false);
-    if !view.is_centered {
-        view.is_centered = true;
-        area = area.horizontal_scroll_offset(0.5 * (layout.size.x - room.width()).max(0.0));
-    }
     let mut allowance = Allowance::new();
     ui.scope_builder(UiBuilder::new().max_rect(room), |ui| {
+        let area = ScrollArea::both().id_salt("pyramid").auto_shrink(false);
         area.show_viewport(ui, |ui, viewport| {
             let size = layout.size.max(room.size());
             let (content, _) = ui.allocate_exact_size(size, Sense::hover());
             let seen = viewport.translate(content.min.to_vec2()).expand(2.0);
-            let rows = view.rows.iter_mut().enumerate();
-            let rows = rows.filter(|(_, row)| !row.is_empty());
-            for (place, (k, row)) in rows.enumerate() {
-                let top = content.top() + place as f32 * layout.pitch.y;
-                let at = pos2(rect.left() + 2.0 * GRID, top + 0.5 * layout.image.y - 10.0);
-                Formula::name(&names, Part::Term(k), theme::BODY, p.text).paint(&names, at);
-                let is_merge = |s: Strategy| s.joint == Joint::Merge;
-                let has_merges = row.iter().any(|tile| is_merge(tile.strategy));
-                let gap = if has_merges { MERGE_GAP } else { 0.0 };
-                let width = row.len() as f32 * layout.pitch.x + gap;
-                let left = content.center().x - 0.5 * width;
-                for (i, tile) in row.iter_mut().enumerate() {
-                    let x =
-                        i as f32 * layout.pitch.x + if is_merge(tile.strategy) { gap } else { 0.0 };
+            let left = content.center().x - 0.5 * layout.size.x;
+            let (image, version) = (view.image, view.version);
+            for (k, row) in view.rows.iter_mut().enumerate() {
+                let wanted = made(image, version, row.gain, viewing);
+                let top = content.top() + k as f32 * layout.pitch.y;
+                let at = pos2(rect.left() + 2.0 * GRID, top + 0.5 * layout.image.y - 16.0);
+                name_of_row(&names, at, k, wanted, viewing, &p);
+                for tile in &mut row.tiles {
+                    let cell = tile.cell;
                     let spot = Rect::from_min_size(
-                        pos2((left + x).round(), top.round()),
+                        pos2((left + layout.x(cell.column)).round(), top.round()),
                         layout.pitch - Vec2::splat(GRID),
                     );
+                    let picture = Rect::from_min_size(
+                        pos2(spot.center().x - 0.5 * layout.image.x, spot.top()).round(),
+                        layout.image,
+                    );
+                    if !cell.is_made {
+                        empty(ui, spot, picture, cell.strategy);
+                        continue;
+                    }
                     // What is scrolled away can still be reached by keyboard.
                     let response =
-                        ui.interact(spot, ui.scope_id().with(tile.strategy), Sense::click());
-                    name_for_ears(&response, tile.strategy, tile.share);
+                        ui.interact(spot, ui.scope_id().with(cell.strategy), Sense::click());
+                    name_for_ears(&response, cell.strategy, cell.share);
                     if response.gained_focus() {
                         response.scroll_to_me(None);
                     }
                     if response.clicked() {
-                        view.enlarged = Some(tile.strategy);
+                        view.enlarged = Some(cell.strategy);
                     }
                     if !spot.intersects(seen) {
                         continue;
                     }
                     let texture = tile.picture(ui.ctx(), film, wanted, &mut allowance);
-                    let picture = Rect::from_min_size(
-                        pos2(spot.center().x - 0.5 * layout.image.x, spot.top()).round(),
-                        layout.image,
-                    );
                     paint(ui.painter(), texture, picture);
                     caption(ui, &response, picture, tile);
                 }
@@ -204,7 +217,73 @@ fn pyramid(
     });
 }
 
-/// What stands on and under an image: share and label.
+/// The term that a row is of, and by how much it is brightened.
+fn name_of_row(
+    painter: &Painter,
+    at: Pos2,
+    k: usize,
+    made: Made,
+    viewing: &ViewSettings,
+    p: &Palette,
+) {
+    Formula::name(painter, Part::Term(k), theme::BODY, p.text).paint(painter, at);
+    let gain = made.display.0 - viewing.exposure_ev;
+    if gain > 0.0 {
+        let text = format!("+{gain:.0} EV");
+        let below = at + Vec2::new(0.0, 20.0);
+        painter.text(below, Align2::LEFT_TOP, text, theme::small(), p.weak);
+    }
+}
+
+/// The frame of a technique that has made nothing yet.
+fn empty(ui: &Ui, spot: Rect, picture: Rect, strategy: Strategy) {
+    let p = Palette::of(ui);
+    let painter = ui.painter();
+    painter.rect_stroke(picture, 0, (1.0, p.line), StrokeKind::Inside);
+    diagram(painter, picture.min + Vec2::splat(7.0), strategy, &p);
+    let at = pos2(picture.center().x, picture.bottom() + 2.0);
+    let name = label(strategy);
+    painter.text(at, Align2::CENTER_TOP, name, theme::small(), p.weak);
+    let response = ui.interact(
+        spot,
+        ui.scope_id().with(("empty", strategy)),
+        Sense::hover(),
+    );
+    response.on_hover_text(format!("{}: nothing yet", description(strategy)));
+}
+
+/// The vertices of a path as circles: those from the camera full, those from the light open. Where
+/// both parts were joined the line is dashed; where their ends were merged, one lies in the other.
+fn diagram(painter: &Painter, at: Pos2, strategy: Strategy, p: &Palette) {
+    const PITCH: f32 = 9.0;
+    const RADIUS: f32 = 2.5;
+    let (s, t) = (usize::from(strategy.s), usize::from(strategy.t));
+    let is_merge = strategy.joint == Joint::Merge;
+    let n = s + t - usize::from(is_merge);
+    let center = |i: usize| at + Vec2::new(i as f32 * PITCH, 0.0);
+    let last = center(n.saturating_sub(1));
+    let plate = Rect::from_two_pos(at, last).expand(5.0);
+    painter.rect_filled(plate, 5, theme::plate(p));
+    for i in 1..n {
+        let ends = [
+            center(i - 1) + Vec2::new(RADIUS, 0.0),
+            center(i) - Vec2::new(RADIUS, 0.0),
+        ];
+        let is_joint = strategy.joint == Joint::Connect && i == t;
+        let stroke = Stroke::new(1.0, if is_joint { p.amber } else { p.weak });
+        painter.line_segment(ends, stroke);
+    }
+    for i in 0..t {
+        painter.circle_filled(center(i), RADIUS, p.text);
+    }
+    for i in n - s..n {
+        let is_met = is_merge && i + s == n;
+        let radius = if is_met { RADIUS + 1.5 } else { RADIUS };
+        painter.circle_stroke(center(i), radius, Stroke::new(1.2, p.amber));
+    }
+}
+
+/// What stands on and under an image: vertices, share and label.
 fn caption(ui: &Ui, response: &Response, picture: Rect, tile: &Tile) {
     let p = Palette::of(ui);
     let painter = ui.painter();
@@ -212,12 +291,14 @@ fn caption(ui: &Ui, response: &Response, picture: Rect, tile: &Tile) {
         let stroke = Stroke::new(1.0, p.strong);
         painter.rect_stroke(picture, 0, stroke, StrokeKind::Outside);
     }
-    chip(painter, picture.max - Vec2::splat(3.0), tile.share, &p);
+    let strategy = tile.cell.strategy;
+    diagram(painter, picture.min + Vec2::splat(7.0), strategy, &p);
+    chip(painter, picture.max - Vec2::splat(3.0), tile.cell.share, &p);
     let color = if response.hovered() { p.text } else { p.weak };
     painter.text(
         pos2(picture.center().x, picture.bottom() + 2.0),
         Align2::CENTER_TOP,
-        label(tile.strategy),
+        label(strategy),
         theme::small(),
         color,
     );
@@ -273,19 +354,21 @@ fn enlarged(
     strategy: Strategy,
 ) {
     let p = Palette::of(ui);
-    let wanted = made(view, viewing);
+    let (image, version) = (view.image, view.version);
     let aspect = film.width() as f32 / film.height().max(1) as f32;
     let room = rect.size();
     let size = Vec2::new(room.x.min(room.y * aspect), room.y.min(room.x / aspect));
     let picture = Rect::from_center_size(rect.center(), size.floor());
     let response = ui.interact(rect, ui.scope_id().with("enlarged"), Sense::click());
-    let mut tiles = view.rows.iter_mut().flatten();
-    let Some(tile) = tiles.find(|tile| tile.strategy == strategy) else {
+    let rows = view.rows.iter_mut();
+    let mut tiles = rows.flat_map(|row| row.tiles.iter_mut().map(|tile| (row.gain, tile)));
+    let Some((gain, tile)) = tiles.find(|(_, tile)| tile.cell.strategy == strategy) else {
         view.enlarged = None;
         return;
     };
+    let wanted = made(image, version, gain, viewing);
     let texture = tile.picture(ui.ctx(), film, wanted, &mut Allowance::new());
-    let share = tile.share;
+    let share = tile.cell.share;
     let painter = ui.painter().with_clip_rect(rect);
     paint(&painter, texture, picture);
     let k = strategy.bounce();
@@ -293,7 +376,13 @@ fn enlarged(
         (label(strategy), theme::sized(theme::CAPTION), p.text),
         (description(strategy), theme::body(), p.text),
         (
-            format!("bounce {k} · {} of the energy", share_text(share)),
+            match wanted.display.0 - viewing.exposure_ev {
+                gain if gain > 0.0 => format!(
+                    "bounce {k} · {} of the energy · {gain:.0} stops brighter",
+                    share_text(share)
+                ),
+                _ => format!("bounce {k} · {} of the energy", share_text(share)),
+            },
             theme::small(),
             p.weak,
         ),

@@ -36,7 +36,7 @@ pub static METHOD: Method = Method {
                   at the other.",
     sight: Sight::FULL,
     bias: None,
-    has_techniques: false,
+    has_techniques: true,
     has_photons: false,
     parameters: &[
         Parameter {

@@ -5,8 +5,8 @@
 //! glass, whose `f` is a delta, can be followed at all.
 
 use crate::bsdf::TransportMode;
-use crate::integrator::{Integrator, Method, ParameterValues, PixelIntegrator, Shot, Sight};
-use crate::pass::{PixelSink, Pixels};
+use crate::integrator::{Integrator, Method, ParameterValues, PathIntegrator, PathStart, Sight};
+use crate::pass::PixelSink;
 use crate::radiometry::Rgb;
 use crate::transport::Tracer;
 
@@ -32,48 +32,35 @@ pub static METHOD: Method = Method {
 
 struct BsdfSampling;
 
-impl PixelIntegrator for BsdfSampling {
-    fn trace(
-        &self,
-        shot: &Shot<'_>,
-        pixels: Pixels<'_>,
-        tracer: &mut Tracer<'_>,
-        sink: &mut PixelSink<'_>,
-    ) {
-        let Shot {
-            scene,
-            camera,
-            max_bounces,
-        } = *shot;
-        pixels.one_by_one(sink, |sample, sampler, sink| {
-            let mut ray = camera.ray(sample.raster, sampler.start().lens).ray;
-            let mut throughput = Rgb::WHITE;
-            let mut media = tracer.begin_at_camera(&ray);
-            for bounce in 0..=max_bounces {
-                // What does the ray meet? Nothing: the environment emits.
-                let Some(vertex) = tracer.meet(&ray, &mut media, &mut throughput) else {
-                    let radiance = scene.lights().environment_radiance(ray.direction());
-                    sink.add(hit(bounce, throughput * radiance, 1.0));
-                    return;
-                };
-                if bounce == 0 {
-                    add_unlit(tracer, &vertex, sink);
-                }
-
-                // L_e, after `bounce` applications of T.
-                sink.add(hit(bounce, throughput * tracer.emitted(&vertex), 1.0));
-
-                // Draw a direction from the BSDF, and on to the next vertex.
-                let u = sampler.bounce(bounce);
-                let Some(sample) = vertex.sample(u.bsdf(), MODE) else {
-                    return;
-                };
-                throughput *= sample.throughput();
-                tracer.leaves(&vertex, &sample, MODE, 1.0);
-                media = vertex.media_towards(sample.wi, media);
-                ray = vertex.ray(sample.wi);
+impl PathIntegrator for BsdfSampling {
+    fn trace_path(&self, path: &PathStart<'_>, tracer: &mut Tracer<'_>, sink: &mut PixelSink<'_>) {
+        let mut ray = path.ray;
+        let mut throughput = Rgb::WHITE;
+        let mut media = tracer.begin_at_camera(&ray);
+        for bounce in 0..=path.max_bounces {
+            // What does the ray meet? Nothing: the environment emits.
+            let Some(vertex) = tracer.meet(&ray, &mut media, &mut throughput) else {
+                let radiance = tracer.scene.lights().environment_radiance(ray.direction());
+                sink.add(hit(bounce, throughput * radiance, 1.0));
+                return;
+            };
+            if bounce == 0 {
+                add_unlit(tracer, &vertex, sink);
             }
-        });
+
+            // L_e, after `bounce` applications of T.
+            sink.add(hit(bounce, throughput * tracer.emitted(&vertex), 1.0));
+
+            // Draw a direction from the BSDF, and on to the next vertex.
+            let u = path.sampler.bounce(bounce);
+            let Some(sample) = vertex.sample(u.bsdf(), MODE) else {
+                return;
+            };
+            throughput *= sample.throughput();
+            tracer.leaves(&vertex, &sample, MODE, 1.0);
+            media = vertex.media_towards(sample.wi, media);
+            ray = vertex.ray(sample.wi);
+        }
     }
 }
 

@@ -6,6 +6,7 @@ mod agreement;
 mod backs;
 mod cameras;
 mod determinism;
+mod directions;
 mod emission;
 mod energy;
 mod error_estimate;

@@ -55,7 +55,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         {
             println!(
                 "{{\"program\": \"neumann\", \"triangles\": {}, \"build_s\": {build_seconds:.3}, \
-                 \"primary\": {:.3}, \"bounce\": {:.3}, \"shadow\": {:.3}, \"hits\": [{}, {}, {}]}}",
+                 \"primary\": {:.3}, \"bounce\": {:.3}, \"shadow\": {:.3}, \
+                 \"hits\": [{}, {}, {}]}}",
                 triangles.len(),
                 primary.0,
                 bounce.0,

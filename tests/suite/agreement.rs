@@ -134,7 +134,8 @@ fn compare(family: &mut Family, name: &str, layer: usize, a: &Batches, b: &Batch
             family.add(
                 x.p_value_against(&y, 1e-5),
                 format!(
-                    "{name}, T{layer}, region {i}, channel {c}: {:.5e} ± {:.1e} against {:.5e} ± {:.1e}, ratio {ratio:.4}",
+                    "{name}, T{layer}, region {i}, channel {c}: {:.5e} ± {:.1e} against {:.5e} ± \
+                     {:.1e}, ratio {ratio:.4}",
                     x.mean, x.standard_error, y.mean, y.standard_error
                 ),
             );

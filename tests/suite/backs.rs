@@ -14,12 +14,13 @@ use neumann_core::render::{CancelToken, Renderer, hidden_by_backs};
 use neumann_core::scene::builtin::BUILTINS;
 use neumann_core::scene::description::{
     AlphaMode, CameraDescription, EnvironmentDescription, Lens, MaterialDescription,
-    MeshDescription, Projection, VolumeDescription,
+    MeshDescription, Projection,
 };
 use neumann_core::scene::{Backs, Scene};
 use neumann_tests::renders::{Setup, pool};
 use neumann_tests::scenes::{Stage, ball, builtin, emitter, lambert, looking, rectangle, room};
 use neumann_tests::statistics::Family;
+use neumann_tests::studio::rough_glass;
 
 use super::agreement::compare_methods;
 
@@ -47,20 +48,6 @@ fn colored(color: [f32; 3]) -> MaterialDescription {
     MaterialDescription {
         base_color: Rgb::from(color),
         ..lambert(1.0)
-    }
-}
-
-fn rough_glass() -> MaterialDescription {
-    MaterialDescription {
-        base_color: Rgb::new(0.9, 1.0, 0.8),
-        metallic: 0.0,
-        roughness: 0.6,
-        transmission: 1.0,
-        volume: Some(VolumeDescription {
-            attenuation_color: Rgb::new(0.8, 0.5, 0.3),
-            attenuation_distance: 1.0,
-        }),
-        ..MaterialDescription::default()
     }
 }
 

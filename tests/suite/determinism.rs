@@ -11,9 +11,9 @@ use glam::Vec3;
 use neumann_core::accel::TreeQuality;
 use neumann_core::film::{Contribution, Film, Strategy};
 use neumann_core::integrator::{
-    Integrator, METHODS, Method, ParameterValues, PixelIntegrator, Shot, Sight, Value,
+    Integrator, METHODS, Method, ParameterValues, PathIntegrator, PathStart, Sight, Value,
 };
-use neumann_core::pass::{PixelSink, Pixels};
+use neumann_core::pass::PixelSink;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::{CancelToken, Cancelled, Job, RenderLoop, Renderer, StopRule};
 use neumann_core::scene::description::{MeshDescription, SceneDescription};
@@ -126,19 +126,11 @@ const TRIP_AT: usize = 1000;
 /// A method that is cancelled in the middle of an iteration, as from another thread.
 struct Stumbling;
 
-impl PixelIntegrator for Stumbling {
-    fn trace(
-        &self,
-        _: &Shot<'_>,
-        pixels: Pixels<'_>,
-        _: &mut Tracer<'_>,
-        sink: &mut PixelSink<'_>,
-    ) {
-        pixels.one_by_one(sink, |_, _, _| {
-            if N_BEGUN.fetch_add(1, Ordering::Relaxed) == TRIP_AT {
-                TRIPWIRE.cancel();
-            }
-        });
+impl PathIntegrator for Stumbling {
+    fn trace_path(&self, _: &PathStart<'_>, _: &mut Tracer<'_>, _: &mut PixelSink<'_>) {
+        if N_BEGUN.fetch_add(1, Ordering::Relaxed) == TRIP_AT {
+            TRIPWIRE.cancel();
+        }
     }
 }
 
@@ -173,24 +165,16 @@ fn cancelling_is_heeded_within_a_row() {
 /// A method that adds what is no radiance beside what is, and something very bright.
 struct Odd;
 
-impl PixelIntegrator for Odd {
-    fn trace(
-        &self,
-        _: &Shot<'_>,
-        pixels: Pixels<'_>,
-        _: &mut Tracer<'_>,
-        sink: &mut PixelSink<'_>,
-    ) {
-        pixels.one_by_one(sink, |_, _, sink| {
-            for value in [f32::NAN, f32::INFINITY, -1.0, 1e20] {
-                sink.add(Contribution {
-                    value: Rgb::splat(value),
-                    mis_weight: 1.0,
-                    bounce: 0,
-                    strategy: Strategy::hit(2),
-                });
-            }
-        });
+impl PathIntegrator for Odd {
+    fn trace_path(&self, _: &PathStart<'_>, _: &mut Tracer<'_>, sink: &mut PixelSink<'_>) {
+        for value in [f32::NAN, f32::INFINITY, -1.0, 1e20] {
+            sink.add(Contribution {
+                value: Rgb::splat(value),
+                mis_weight: 1.0,
+                bounce: 0,
+                strategy: Strategy::hit(2),
+            });
+        }
     }
 }
 

@@ -76,7 +76,8 @@ fn sampled_albedo_is_the_integral() {
                 family.add(
                     a.p_value(integral, 1e-3),
                     format!(
-                        "{name}, wo {wo}, {mode:?}: sampled {:.4} ± {:.4}, integrated {integral:.4}",
+                        "{name}, wo {wo}, {mode:?}: sampled {:.4} ± {:.4}, integrated \
+                         {integral:.4}",
                         a.mean, a.standard_error
                     ),
                 );

@@ -1,8 +1,8 @@
 //! Is light absorbed and bent by what it runs through, whichever way it goes?
 //!
 //! Closed forms: slabs seen at right angles, where Beer's law and Fresnel's equations give every
-//! layer, for all methods that say that they see what is there. `agreement` holds what has no closed
-//! form: light paths against camera paths.
+//! layer, for all methods that say that they see what is there. `agreement` holds what has no
+//! closed form: light paths against camera paths.
 
 mod agreement;
 

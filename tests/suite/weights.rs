@@ -379,7 +379,8 @@ fn check(
                     total += f64::from(*w);
                     assert!(
                         (f64::from(*w) - exact).abs() < 1e-4,
-                        "{name}, camera {c}, {n} surfaces, technique {i}: {w}, written out {exact}; {joined:?} {merged:?}"
+                        "{name}, camera {c}, {n} surfaces, technique {i}: {w}, written out \
+                         {exact}; {joined:?} {merged:?}"
                     );
                 }
                 assert!((total - 1.0).abs() < 1e-4, "{name}: weights add to {total}");

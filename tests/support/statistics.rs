@@ -194,7 +194,8 @@ impl Family {
             .collect();
         assert!(
             rejected.is_empty(),
-            "{n_rejected} of {} tests deviate beyond chance (significance {SIGNIFICANCE:.0e} for all together):\n{}",
+            "{n_rejected} of {} tests deviate beyond chance (significance {SIGNIFICANCE:.0e} for \
+             all together):\n{}",
             self.tests.len(),
             lines.join("\n")
         );

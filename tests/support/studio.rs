@@ -178,7 +178,9 @@ fn lamp_mesh() -> neumann_core::scene::description::MeshDescription {
     rectangle(Vec3::new(0.0, 1.7, 0.3), Vec3::X * 0.8, Vec3::Z * 0.8)
 }
 
-fn rough_glass() -> MaterialDescription {
+/// Glass of rough walls, and tinted within.
+#[must_use]
+pub fn rough_glass() -> MaterialDescription {
     MaterialDescription {
         base_color: Rgb::new(0.9, 1.0, 0.8),
         metallic: 0.0,

@@ -124,7 +124,8 @@ fn everything() -> (Value, Vec<u8>) {
                 "KHR_materials_transmission": {"transmissionFactor": 1},
                 "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2,
                     "attenuationColor": [1, 1, 1]},
-                "KHR_materials_specular": {"specularFactor": 1, "specularColorFactor": [1, 1, 1]}}}],
+                "KHR_materials_specular": {"specularFactor": 1,
+                    "specularColorFactor": [1, 1, 1]}}}],
         "meshes": [{"weights": [0.5], "primitives": [
             {"attributes": attributes, "indices": indices, "material": 0,
              "targets": [{"POSITION": moved}]},

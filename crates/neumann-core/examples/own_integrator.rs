@@ -9,9 +9,11 @@ use std::error::Error;
 use std::sync::Arc;
 
 use neumann_core::film::{Contribution, Film, Strategy};
-use neumann_core::integrator::{Integrator, Method, ParameterValues, PixelIntegrator, Shot, Sight};
+use neumann_core::integrator::{
+    Integrator, Method, ParameterValues, PathIntegrator, PathStart, Sight,
+};
 use neumann_core::math::Frame;
-use neumann_core::pass::{PixelSink, Pixels};
+use neumann_core::pass::PixelSink;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::{CancelToken, RenderSettings, Renderer, WorkerPool};
 use neumann_core::sampling::warp;
@@ -36,32 +38,23 @@ static OCCLUSION: Method = Method {
 
 struct Occlusion;
 
-impl PixelIntegrator for Occlusion {
-    fn trace(
-        &self,
-        shot: &Shot<'_>,
-        pixels: Pixels<'_>,
-        tracer: &mut Tracer<'_>,
-        sink: &mut PixelSink<'_>,
-    ) {
-        pixels.one_by_one(sink, |sample, numbers, sink| {
-            let ray = shot.camera.ray(sample.raster, numbers.start().lens).ray;
-            tracer.begin_at_camera(&ray);
-            let Some(vertex) = tracer.vertex(&ray) else {
-                return;
-            };
-            // A direction in proportion to its cosine, so that each counts alike.
-            let local = warp::cosine_hemisphere(numbers.bounce(0).direction);
-            let side = 1f32.copysign(vertex.point.ng.dot(vertex.wo));
-            let wi = Frame::from_z(vertex.point.ng * side).world_from_local(local);
-            let end = vertex.point.position + wi;
-            let open = tracer.transmittance(&vertex.point.segment(end));
-            sink.add(Contribution {
-                value: Rgb::splat(open),
-                mis_weight: 1.0,
-                bounce: 1,
-                strategy: Strategy::connect(1, 2),
-            });
+impl PathIntegrator for Occlusion {
+    fn trace_path(&self, path: &PathStart<'_>, tracer: &mut Tracer<'_>, sink: &mut PixelSink<'_>) {
+        tracer.begin_at_camera(&path.ray);
+        let Some(vertex) = tracer.vertex(&path.ray) else {
+            return;
+        };
+        // A direction in proportion to its cosine, so that each counts alike.
+        let local = warp::cosine_hemisphere(path.sampler.bounce(0).direction);
+        let side = 1f32.copysign(vertex.point.ng.dot(vertex.wo));
+        let wi = Frame::from_z(vertex.point.ng * side).world_from_local(local);
+        let end = vertex.point.position + wi;
+        let open = tracer.transmittance(&vertex.point.segment(end));
+        sink.add(Contribution {
+            value: Rgb::splat(open),
+            mis_weight: 1.0,
+            bounce: 1,
+            strategy: Strategy::connect(1, 2),
         });
     }
 }

@@ -54,6 +54,10 @@
 //! # }
 //! ```
 //!
+//! The feature `pictures`, on by default, reads textures and OpenEXR skies. Without it
+//! (`default-features = false`) the crate does without `image`, `png` and `exr`, and scenes that
+//! have such pictures are refused.
+//!
 //! # Symbols
 //! | here | in formulas | meaning, unit |
 //! |---|---|---|

@@ -2,7 +2,7 @@
 //!
 //! Read from the sources: `use` lines and paths of all files, tests left out. Rooms are the modules
 //! of `lib.rs`, in the order of its tour; in each room, files that are beside each other must not
-//! use each other in circles.
+//! use each other in circles. And is every line of the workspace short enough to be read?
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -259,4 +259,38 @@ fn files_beside_each_other_use_each_other_in_no_circle() {
         }
     }
     assert!(circles.is_empty(), "{circles:#?}");
+}
+
+/// Rust files below a folder of the workspace.
+fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() && !path.ends_with("target") {
+            rust_files(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// `cargo fmt` breaks code, but neither strings nor comments, nor what is in macros.
+#[test]
+fn lines_have_at_most_100_columns() {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut found = Vec::new();
+    for folder in ["crates", "tests", "fuzz"] {
+        rust_files(&workspace.join(folder), &mut found);
+    }
+    assert!(found.len() > 200, "{} files", found.len());
+    let mut long = Vec::new();
+    for path in &found {
+        let text = fs::read_to_string(path).unwrap();
+        for (i, line) in text.lines().enumerate() {
+            // An address cannot be broken.
+            if line.chars().count() > 100 && !line.contains("://") {
+                long.push(format!("{}:{}", path.display(), i + 1));
+            }
+        }
+    }
+    assert!(long.is_empty(), "{long:#?}");
 }

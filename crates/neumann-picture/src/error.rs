@@ -59,6 +59,7 @@ impl PictureError {
     pub(crate) fn decode(path: &Path, error: DecodeError) -> Self {
         let remedy = match error {
             DecodeError::Content(_) => "name a flat picture in .exr, .png, .jpg, .webp or .hdr",
+            DecodeError::NoDecoder => "build it with that feature",
             DecodeError::Memory(_) => REMEDY,
         };
         Self::content(path, format!("{error}; {remedy}"))

@@ -1,6 +1,6 @@
 //! How soon the window answers: from the moment an input is sent, on another thread, until the
-//! frame that shows its effect has been presented. Prints one line of JSON:
-//! `cargo run --release -p neumann-viewer --example latency [STEPS] [SCENE] [idle]`.
+//! frame that shows its effect has been presented. Prints one line of JSON: `cargo run --release -p
+//! neumann-viewer --example latency [STEPS] [SCENE] [idle]`.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -79,7 +79,8 @@ impl Report {
         format!(
             "{{\"film\":[{},{}],\"key_to_view_ms\":{},\"camera_to_coarse_frame_ms\":{},\
              \"camera_to_coarse_frame_computed_ms\":{},\"start_to_first_light_ms\":{:.1},\
-             \"of_it_adapter_ms\":{:.1},\"interface_share_ms\":{},\"compose_ms\":{},\"iterations_per_second_with_window\":{:.3},\
+             \"of_it_adapter_ms\":{:.1},\"interface_share_ms\":{},\"compose_ms\":{},\
+             \"iterations_per_second_with_window\":{:.3},\
              \"iterations_per_second_without\":{:.3},\"rendering_lost_percent\":{:.1}}}",
             self.size.0,
             self.size.1,

@@ -1,7 +1,7 @@
 //! The camera as a hand moves it: an eye, a point that it orbits, and what is up.
 //!
-//! `world_from_camera` is rebuilt from these; until the camera has been moved the
-//! file's own matrix stays as it is, roll and all. Angles in radians, lengths in metres.
+//! `world_from_camera` is rebuilt from these; until the camera has been moved the file's own matrix
+//! stays as it is, roll and all. Angles in radians, lengths in metres.
 
 use glam::{Mat3, Mat4, Quat, Vec2, Vec3};
 use neumann_core::scene::description::{CameraDescription, Lens, Projection};
@@ -128,8 +128,8 @@ impl CameraControl {
         self.rebuild();
     }
 
-    /// Shifts eye and target so that what lies in the target's plane moves by `shift` (right, down),
-    /// in picture heights.
+    /// Shifts eye and target so that what lies in the target's plane moves by `shift` (right,
+    /// down), in picture heights.
     pub fn pan(&mut self, shift: Vec2) {
         let height = match self.camera.projection {
             Projection::Perspective { yfov } => 2.0 * self.distance() * (yfov * 0.5).tan(),

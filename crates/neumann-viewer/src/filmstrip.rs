@@ -30,8 +30,8 @@ fn row_height(window: Vec2) -> f32 {
 /// Width of the names of the rows.
 const MARGIN: f32 = 80.0;
 
-/// Draws the filmstrip into `rect`; a click chooses a view. Thumbnails are draw calls from
-/// number `first_draw` on; yields the number of the next.
+/// Draws the filmstrip into `rect`; a click chooses a view. Thumbnails are draw calls from number
+/// `first_draw` on; yields the number of the next.
 pub fn show(
     ui: &mut Ui,
     rect: Rect,

@@ -1,7 +1,7 @@
 //! Names of views, set as formulas with true sub- and superscripts.
 //!
-//! `T²L_e` is four pieces of text on three baselines. The first is that of the
-//! line; exponents stand above it and indices below, at 0.68 of its size.
+//! `T²L_e` is four pieces of text on three baselines. The first is that of the line; exponents
+//! stand above it and indices below, at 0.68 of its size.
 
 use std::sync::Arc;
 

@@ -135,17 +135,20 @@ impl ViewOptions {
 pub enum ViewError {
     /// There is no display to open a window on.
     #[error(
-        "no display to open a window on ({0}); set DISPLAY or WAYLAND_DISPLAY, or use 'neumann render' or 'neumann series'"
+        "no display to open a window on ({0}); set DISPLAY or WAYLAND_DISPLAY, or use 'neumann \
+         render' or 'neumann series'"
     )]
     NoDisplay(String),
     /// There is no graphics adapter, not even a software one.
     #[error(
-        "no graphics adapter ({0}); install a Vulkan driver (on Debian a software one is in mesa-vulkan-drivers), or use 'neumann render' or 'neumann series'"
+        "no graphics adapter ({0}); install a Vulkan driver (on Debian a software one is in \
+         mesa-vulkan-drivers), or use 'neumann render' or 'neumann series'"
     )]
     NoAdapter(String),
     /// Something is larger than the graphics device can draw.
     #[error(
-        "{option} {}x{}: the graphics device draws at most {largest} pixels each way; choose a smaller size",
+        "{option} {}x{}: the graphics device draws at most {largest} pixels each way; choose a \
+         smaller size",
         size.0, size.1
     )]
     TooLarge {

@@ -1,7 +1,7 @@
 //! The only file that talks to the renderer.
 //!
-//! In the window and for screenshots the link leads to a [`RenderLoop`]; tests
-//! hang a finished picture on it instead, and read what would have been started.
+//! In the window and for screenshots the link leads to a [`RenderLoop`]; tests hang a finished
+//! picture on it instead, and read what would have been started.
 
 use std::sync::Arc;
 
@@ -27,8 +27,8 @@ enum End {
 }
 
 impl RenderLink {
-    /// A renderer of its own, on `n_threads` (all, if `None`) of low priority.
-    /// `on_publish` is called after every change of the picture, on another thread.
+    /// A renderer of its own, on `n_threads` (all, if `None`) of low priority. `on_publish` is
+    /// called after every change of the picture, on another thread.
     ///
     /// # Errors
     /// If the operating system gives no threads.
@@ -193,8 +193,8 @@ pub(crate) fn yield_to_renderer() {
 
 #[cfg(target_os = "linux")]
 fn lower_priority(by: i32) {
-    // On Linux this is the priority of the calling thread alone. Where it is
-    // refused, rendering is as good and the interface a little slower.
+    // On Linux this is the priority of the calling thread alone. Where it is refused, rendering is
+    // as good and the interface a little slower.
     let _ = rustix::process::setpriority_process(None, by);
 }
 

@@ -148,8 +148,8 @@ impl Setup {
         self.is_changed = true;
     }
 
-    /// Takes over a better tree; nothing about the picture changes. Yields the scene as it was and as it is, if the tree is
-    /// for it.
+    /// Takes over a better tree; nothing about the picture changes. Yields the scene as it was and
+    /// as it is, if the tree is for it.
     pub fn take_tree(&mut self, tree: &BetterTree) -> Option<[Arc<Scene>; 2]> {
         let open = self.open.as_mut()?;
         let better = Arc::new(open.scene.with_tree(tree)?);

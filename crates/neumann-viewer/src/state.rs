@@ -279,7 +279,8 @@ fn take_edits(edits: &Edits, appearance: &mut Appearance, complaints: &mut Vec<S
     };
     let mut left_out = |what: &str, index: usize, name: &str| {
         complaints.push(format!(
-            "The scene has no {what} {index} called '{name}'; it was edited, and stays as in the file"
+            "The scene has no {what} {index} called '{name}'; it was edited, and stays as in the \
+             file"
         ));
     };
     for edit in &edits.materials {

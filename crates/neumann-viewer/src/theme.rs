@@ -1,7 +1,7 @@
 //! How the window looks: neutral greys, one amber, one typeface, two text sizes, an 8-pixel grid.
 //!
-//! Every grey has r = g = b, so that no colour of ours tints the picture. Amber
-//! marks what is chosen, and the bias badge; nothing else has a hue.
+//! Every grey has r = g = b, so that no colour of ours tints the picture. Amber marks what is
+//! chosen, and the bias badge; nothing else has a hue.
 
 use std::sync::Arc;
 

@@ -1,8 +1,7 @@
 //! The window on the desktop: winit's events in, frames out.
 //!
-//! Nothing is drawn without a reason: input, a new picture, or something that
-//! egui animates. New pictures are drawn at most at the rate below, but the first
-//! one after a change at once.
+//! Nothing is drawn without a reason: input, a new picture, or something that egui animates. New
+//! pictures are drawn at most at the rate below, but the first one after a change at once.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -295,8 +294,8 @@ impl Running {
         let mut output = self.lay_out();
         let mut laid_out = start.elapsed();
         if self.app.session.link.n_starts() != n_starts && self.first_frame_comes() {
-            // One frame that shows what was asked for is there sooner than one that
-            // does not and a second one that does.
+            // One frame that shows what was asked for is there sooner than one that does not and a
+            // second one that does.
             let start = Instant::now();
             let newer = self.lay_out();
             output.append(newer);
@@ -331,9 +330,9 @@ impl Running {
 
     /// When the picture that was just announced is to be drawn.
     ///
-    /// A film and its statistics are announced one after the other; a frame waits for both.
-    /// On a software adapter a frame costs the renderer time: at full resolution, where each
-    /// iteration changes little, frames take an eighth of it at most.
+    /// A film and its statistics are announced one after the other; a frame waits for both. On a
+    /// software adapter a frame costs the renderer time: at full resolution, where each iteration
+    /// changes little, frames take an eighth of it at most.
     fn due(&self) -> Instant {
         let is_climbing = self.app.session.picture.divisor > 1;
         let pause = if !self.is_software || is_climbing {

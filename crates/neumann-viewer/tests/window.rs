@@ -1,7 +1,6 @@
 //! The window through its accessibility tree: what a person can press, and what follows.
 //!
-//! The renderer is replaced by a small film that never changes, so nothing here depends
-//! on time.
+//! The renderer is replaced by a small film that never changes, so nothing here depends on time.
 
 mod support;
 

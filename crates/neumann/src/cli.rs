@@ -18,15 +18,16 @@ use crate::options::{
     name = "neumann",
     version,
     about = "Shows light transport bounce by bounce: L = L_e + T L_e + T²L_e + …",
-    after_help = "Without a subcommand the window opens with SCENE, or with the embedded Cornell box. Where there \
-                  is no display or graphics adapter, the scene and its series are rendered to ./neumann-out instead.\n\n\
-                  Examples:\n  \
-                  neumann\n  \
-                  neumann cornell-glass\n  \
-                  neumann render room.gltf -o room.exr -o room.png --time 60\n  \
-                  neumann series cornell -o out\n  \
-                  neumann compare room.exr reference.exr\n\n\
-                  Exit codes: 0 done, 1 failed while working, 2 wrong usage or bad input.",
+    after_help = "Without a subcommand the window opens with SCENE, or with the embedded Cornell \
+        box. Where there is no display or graphics adapter, the scene and its series are rendered \
+        to ./neumann-out instead.\n\n\
+        Examples:\n  \
+        neumann\n  \
+        neumann cornell-glass\n  \
+        neumann render room.gltf -o room.exr -o room.png --time 60\n  \
+        neumann series cornell -o out\n  \
+        neumann compare room.exr reference.exr\n\n\
+        Exit codes: 0 done, 1 failed while working, 2 wrong usage or bad input.",
     args_conflicts_with_subcommands = true,
     max_term_width = 110
 )]
@@ -34,7 +35,13 @@ pub(crate) struct Cli {
     /// A .gltf or .glb file, or the name of a built-in scene ('neumann list scenes')
     pub(crate) scene: Option<String>,
     /// Memory that files may take once read, such as 800M or 4G [default: half of what is free]
-    #[arg(long, global = true, value_name = "BYTES", value_parser = crate::options::bytes, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        global = true,
+        value_name = "BYTES",
+        value_parser = crate::options::bytes,
+        allow_hyphen_values = true
+    )]
     pub(crate) memory: Option<u64>,
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
@@ -129,7 +136,14 @@ pub(crate) struct ViewArguments {
     )]
     pub(crate) after: u32,
     /// Size of the window on the screenshot
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, requires = "screenshot", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "WxH",
+        default_value = "1280x720",
+        value_parser = size,
+        requires = "screenshot",
+        allow_hyphen_values = true
+    )]
     pub(crate) window_size: (usize, usize),
     /// Use the light theme on the screenshot
     #[arg(long, requires = "screenshot")]
@@ -139,10 +153,11 @@ pub(crate) struct ViewArguments {
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Rendering ends at the first of --iterations, --time and --until-error that is met; 64 iterations \
-    if none is given. Ctrl-C ends it early: whole iterations so far are written, and the exit code is 1.\n\
-    The .exr is also saved while rendering (--checkpoint). With --resume the goals count what is in the file already, \
-    so the same command line finishes what was interrupted.\n\n\
+    after_help = "Rendering ends at the first of --iterations, --time and --until-error that is \
+    met; 64 iterations if none is given. Ctrl-C ends it early: whole iterations so far are \
+    written, and the exit code is 1.\n\
+    The .exr is also saved while rendering (--checkpoint). With --resume the goals count what is \
+    in the file already, so the same command line finishes what was interrupted.\n\n\
     Examples:\n  \
     neumann render cornell -o c.exr -o c.png --iterations 256\n  \
     neumann render room.gltf -o nee.exr --integrator pt-nee --size 1280x720 --until-error 0.01\n  \
@@ -212,10 +227,10 @@ pub(crate) struct RenderArguments {
 /// Arguments of `replay`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "One line for each contribution: its bounce, its technique (s vertices from the light, t from \
-    the camera), its value, its MIS weight, and its path from the eye E to the light L: D diffuse, G glossy, \
-    S specular, with t where light passes through; - a connection, = a merge. Their sum is what the iteration has \
-    at the pixel.\n\n\
+    after_help = "One line for each contribution: its bounce, its technique (s vertices from the \
+    light, t from the camera), its value, its MIS weight, and its path from the eye E to the light \
+    L: D diffuse, G glossy, S specular, with t where light passes through; - a connection, = a \
+    merge. Their sum is what the iteration has at the pixel.\n\n\
     Examples:\n  \
     neumann replay cornell --pixel 256,400\n  \
     neumann replay cornell-glass --size 64x64 --pixel 40,50 --integrator bdpt --iteration 7\n  \
@@ -225,10 +240,21 @@ pub(crate) struct ReplayArguments {
     /// A .gltf or .glb file, or the name of a built-in scene
     pub(crate) scene: String,
     /// Column and row of the pixel, from 0; 0,0 is on the top left
-    #[arg(long, value_name = "X,Y", value_parser = crate::options::pixel, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "X,Y",
+        value_parser = crate::options::pixel,
+        allow_hyphen_values = true
+    )]
     pub(crate) pixel: [u32; 2],
     /// Number of the iteration
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole(0..=u32::MAX - 1), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        value_parser = whole(0..=u32::MAX - 1),
+        allow_hyphen_values = true
+    )]
     pub(crate) iteration: u32,
     #[command(flatten)]
     pub(crate) settings: SettingsOptions,
@@ -240,8 +266,8 @@ pub(crate) struct ReplayArguments {
 /// Arguments of `series`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Writes T0, T1, …, tail, upto0, upto1, … and L, each as PNG and EXR, and sheet.png. L.exr holds \
-    all layers: --resume goes on from it.\n\n\
+    after_help = "Writes T0, T1, …, tail, upto0, upto1, … and L, each as PNG and EXR, and \
+    sheet.png. L.exr holds all layers: --resume goes on from it.\n\n\
     Examples:\n  \
     neumann series cornell -o out\n  \
     neumann series room.gltf -o out --layers 4 --iterations 512 --exposure 1 --tone agx"
@@ -269,8 +295,8 @@ pub(crate) struct SeriesArguments {
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "relMSE is mean((a-b)² / (b² + 0.01)) over pixels and channels, b the reference. FLIP compares \
-    what is shown after exposure and tone curve, at 67 pixels per degree.\n\n\
+    after_help = "relMSE is mean((a-b)² / (b² + 0.01)) over pixels and channels, b the reference. \
+    FLIP compares what is shown after exposure and tone curve, at 67 pixels per degree.\n\n\
     Examples:\n  \
     neumann compare mine.exr reference.exr\n  \
     neumann compare pt-nee.exr pt-mis.exr --layer T1 -o difference.png --json"
@@ -332,8 +358,9 @@ pub(crate) struct InfoArguments {
 /// Arguments of `merge`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "The renders must be of the same scene with the same settings and seed, and have no iteration in \
-    common. The result equals one render of all iterations but for rounding, a few millionths.\n\n\
+    after_help = "The renders must be of the same scene with the same settings and seed, and have \
+    no iteration in common. The result equals one render of all iterations but for rounding, a few \
+    millionths.\n\n\
     Examples:\n  \
     neumann render cornell -o a.exr --iterations 64\n  \
     neumann render cornell -o b.exr --iterations 64 --first-iteration 64\n  \
@@ -388,9 +415,10 @@ mod tests {
 
     #[test]
     fn options_read_as_the_design_writes_them() {
-        let line = "neumann render cornell -o a.exr -o a.png --integrator pt-nee --iterations 8 --first-iteration 4 \
-            --shard 1/2 --checkpoint 30 --size 64x48 --camera 0 --eye -1,2,3.5 --target 0,0,0 --up 0,1,0 --fov 40 --aperture 0.1 --focus 3 \
-            --max-bounces 5 --layers 4 --seed 7 --threads 2 --set a=1 --set b=on --exposure -1.5 --tone agx --resume \
+        let line = "neumann render cornell -o a.exr -o a.png --integrator pt-nee --iterations 8 \
+            --first-iteration 4 --shard 1/2 --checkpoint 30 --size 64x48 --camera 0 --eye -1,2,3.5 \
+            --target 0,0,0 --up 0,1,0 --fov 40 --aperture 0.1 --focus 3 --max-bounces 5 --layers 4 \
+            --seed 7 --threads 2 --set a=1 --set b=on --exposure -1.5 --tone agx --resume \
             --allow-outside --env sky.hdr --env-intensity 2 --env-rotation -90 --json";
         let cli = Cli::try_parse_from(line.split_whitespace()).unwrap();
         let Some(Command::Render(render)) = cli.command else {

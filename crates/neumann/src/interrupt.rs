@@ -1,8 +1,8 @@
 //! Ctrl-C: the first ends rendering with the picture written, the second ends the program.
 //!
-//! The same holds for a request to end, and for a terminal that goes away. Signals that the
-//! program was started to ignore stay ignored: `nohup` does that with the end of the terminal,
-//! a shell with Ctrl-C for what it runs in the background of a script.
+//! The same holds for a request to end, and for a terminal that goes away. Signals that the program
+//! was started to ignore stay ignored: `nohup` does that with the end of the terminal, a shell with
+//! Ctrl-C for what it runs in the background of a script.
 
 use std::io;
 use std::process::exit;

@@ -79,7 +79,8 @@ fn check_pair(a_path: &Path, a: &Checkpoint, b_path: &Path, b: &Checkpoint) -> O
     let common = a.metadata.iterations.intersection(&b.metadata.iterations);
     if common.count() > 0 {
         return Err(bad_input(format!(
-            "{names}: cannot be merged, both have iterations {common}; render one of them with another --first-iteration"
+            "{names}: cannot be merged, both have iterations {common}; render one of them with \
+             another --first-iteration"
         )));
     }
     if a.metadata.program_version != b.metadata.program_version {

@@ -46,7 +46,13 @@ pub(crate) struct LoadArguments {
 #[derive(Clone, Debug, Args)]
 pub(crate) struct SettingsOptions {
     /// Method of rendering ('neumann list integrators')
-    #[arg(long, value_name = "ID", default_value = DEFAULT_METHOD, value_parser = integrators(), hide_possible_values = true)]
+    #[arg(
+        long,
+        value_name = "ID",
+        default_value = DEFAULT_METHOD,
+        value_parser = integrators(),
+        hide_possible_values = true
+    )]
     pub(crate) integrator: String,
     /// Set a parameter of the method ('neumann list parameters'); may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = parse::assignment)]
@@ -55,16 +61,39 @@ pub(crate) struct SettingsOptions {
     #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub(crate) size: Option<(usize, usize)>,
     /// Highest power of T that is computed
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_BOUNCES, value_parser = parse::whole(0..=65_535), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = DEFAULT_MAX_BOUNCES,
+        value_parser = parse::whole(0..=65_535),
+        allow_hyphen_values = true
+    )]
     pub(crate) max_bounces: u32,
     /// Bounce layers kept apart; everything beyond them goes to one more, the tail
-    #[arg(long, value_name = "K", default_value_t = DEFAULT_LAYERS as u32, value_parser = parse::whole(1..=64), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = DEFAULT_LAYERS as u32,
+        value_parser = parse::whole(1..=64),
+        allow_hyphen_values = true
+    )]
     pub(crate) layers: u32,
     /// Seed of all random numbers
-    #[arg(long, value_name = "S", default_value_t = 0, value_parser = parse::long_whole, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 0,
+        value_parser = parse::long_whole,
+        allow_hyphen_values = true
+    )]
     pub(crate) seed: u64,
     /// Threads that render [default: all]
-    #[arg(long, value_name = "N", value_parser = parse::whole(1..=1024), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = parse::whole(1..=1024),
+        allow_hyphen_values = true
+    )]
     pub(crate) threads: Option<u32>,
     /// Backs of single-sided surfaces: solid, or see-through for the camera (a room from outside, a
     /// model in its outline hull); to light they are solid, unless unlit
@@ -95,13 +124,23 @@ pub(crate) struct CameraArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = parse::vector, allow_hyphen_values = true)]
     pub(crate) up: Option<Vec3>,
     /// Vertical angle of view, degrees
-    #[arg(long, value_name = "DEG", value_parser = parse::angle_of_view, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "DEG",
+        value_parser = parse::angle_of_view,
+        allow_hyphen_values = true
+    )]
     pub(crate) fov: Option<f32>,
     /// Diameter of the lens opening, metres; 0 for a pinhole
     #[arg(long, value_name = "M", value_parser = parse::not_negative, allow_hyphen_values = true)]
     pub(crate) aperture: Option<f32>,
     /// Distance of what is sharp, metres [default: of what is in the middle of the picture]
-    #[arg(long, value_name = "M", value_parser = parse::positive_single, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "M",
+        value_parser = parse::positive_single,
+        allow_hyphen_values = true
+    )]
     pub(crate) focus: Option<f32>,
 }
 
@@ -110,16 +149,15 @@ pub(crate) struct CameraArguments {
 #[command(next_help_heading = "Environment")]
 pub(crate) struct EnvironmentArguments {
     /// Sky in place of the scene's: studio, uniform, sun or none, or a lat-long map, .hdr or .exr
-    /// ('./sun' for a file
-    /// of such a name). A map's centre is seen looking along -Z, its right half towards +X
+    /// ('./sun' for a file of such a name). A map's centre is seen looking along -Z, its right half
+    /// towards +X
     #[arg(long, value_name = "NAME|FILE", value_parser = sky)]
     pub(crate) env: Option<SkyChoice>,
     /// Factor on the environment
     #[arg(long, value_name = "F", value_parser = parse::not_negative, allow_hyphen_values = true)]
     pub(crate) env_intensity: Option<f32>,
     /// Turn of the environment about the vertical, degrees, counter-clockwise seen from above; a
-    /// map placed as in
-    /// Blender (exported with +Y up) needs -90, as in Mitsuba 180
+    /// map placed as in Blender (exported with +Y up) needs -90, as in Mitsuba 180
     #[arg(long, value_name = "DEG", value_parser = parse::finite, allow_hyphen_values = true)]
     pub(crate) env_rotation: Option<f32>,
 }
@@ -129,8 +167,7 @@ pub(crate) struct EnvironmentArguments {
 #[command(next_help_heading = "Display")]
 pub(crate) struct DisplayOptions {
     /// Exposure: stops, or auto to bring what is lit to middle grey on average [default: 0; in the
-    /// window auto for files
-    /// of your own]
+    /// window auto for files of your own]
     #[arg(long, value_name = "EV|auto", value_parser = parse::exposure, allow_hyphen_values = true)]
     pub(crate) exposure: Option<Exposure>,
     /// Tone curve
@@ -152,7 +189,12 @@ pub(crate) enum Exposure {
 #[command(next_help_heading = "How long")]
 pub(crate) struct GoalOptions {
     /// Number of iterations of the picture
-    #[arg(long, value_name = "N", value_parser = parse::whole(1..=u32::MAX), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = parse::whole(1..=u32::MAX),
+        allow_hyphen_values = true
+    )]
     pub(crate) iterations: Option<u32>,
     /// Time of rendering; an iteration that would end later is not begun, but for the first
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
@@ -162,7 +204,13 @@ pub(crate) struct GoalOptions {
     #[arg(long, value_name = "RELATIVE", value_parser = positive, allow_hyphen_values = true)]
     pub(crate) until_error: Option<f64>,
     /// Number of the first iteration; renders with different ones can be merged
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse::whole(0..=u32::MAX), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        value_parser = parse::whole(0..=u32::MAX),
+        allow_hyphen_values = true
+    )]
     pub(crate) first_iteration: u32,
     /// Render part I (from 1 on) of N equal parts of the iterations; 'neumann merge' joins the
     /// parts
@@ -170,7 +218,12 @@ pub(crate) struct GoalOptions {
     pub(crate) shard: Option<Shard>,
     /// Save the .exr so often while rendering, so that a kill loses no more; 0 for never
     /// [default: 60, or longer, so that saving takes no more than a twentieth of the time]
-    #[arg(long, value_name = "SECONDS", value_parser = parse::not_negative_double, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        value_parser = parse::not_negative_double,
+        allow_hyphen_values = true
+    )]
     pub(crate) checkpoint: Option<f64>,
 }
 

@@ -59,7 +59,8 @@ impl Goal {
         let n = whole.iterations.unwrap_or(1);
         let Some(end) = whole.first_iteration.checked_add(n) else {
             return Err(bad_input(
-                "--first-iteration: too large for that many iterations; numbers go up to 4294967295",
+                "--first-iteration: too large for that many iterations; numbers go up to \
+                 4294967295",
             ));
         };
         let Some(shard) = options.shard else {

@@ -20,7 +20,8 @@ pub(crate) fn check_scene(scene: &str) -> Outcome {
         None => String::new(),
     };
     Err(bad_input(format!(
-        "{scene}: neither a built-in scene nor a file; {remedy}'neumann list scenes' shows what there is"
+        "{scene}: neither a built-in scene nor a file; {remedy}'neumann list scenes' shows what \
+         there is"
     )))
 }
 

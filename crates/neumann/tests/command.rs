@@ -550,8 +550,8 @@ fn an_interrupted_render_keeps_its_iterations() {
 #[test]
 fn techniques_are_written_apart_and_photons_reported() {
     let folder = Folder::new();
-    let line = "render cornell -o v.exr --integrator vcm --size 48x32 --iterations 2 --max-bounces 4 \
-        --techniques pyramid --techniques-divisor 2 --json";
+    let line = "render cornell -o v.exr --integrator vcm --size 48x32 --iterations 2 \
+        --max-bounces 4 --techniques pyramid --techniques-divisor 2 --json";
     let report: Value = serde_json::from_str(&folder.succeed(line)).unwrap();
     assert_eq!(report["photons"]["light_paths"], 48 * 32);
     assert!(report["photons"]["radius"].as_f64().unwrap() > 0.0);

@@ -60,7 +60,8 @@ fn files() -> Result<Vec<(String, Vec<u8>)>, image::ImageError> {
          Written by `cargo run -p scene-generator -- assets/scenes`; do not edit by hand.\n\
          `scripts/validate-scenes` holds them against the Khronos validator.\n\n\
          {lines}\n\
-         `sky.hdr` is the environment of `sky`: latitude and longitude, -Z in the middle, +Y on top.\n"
+         `sky.hdr` is the environment of `sky`: latitude and longitude, -Z in the middle, +Y on \
+         top.\n"
     );
     files.push(("README.md".to_owned(), readme.into_bytes()));
     Ok(files)

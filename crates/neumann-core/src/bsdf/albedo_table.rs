@@ -245,7 +245,8 @@ mod tests {
             for k in 0..2 {
                 assert!(
                     (kept[k] - integral[k]).abs() < 1e-5,
-                    "entry {i}: {kept:?} and {integral:?}; UPDATE_ALBEDO_TABLE=1 writes the file anew"
+                    "entry {i}: {kept:?} and {integral:?}; UPDATE_ALBEDO_TABLE=1 writes the file \
+                     anew"
                 );
             }
         }

@@ -167,6 +167,7 @@ impl Bsdf {
 impl Scatter for Bsdf {
     #[inline]
     fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Rgb {
+        assert_unit([wo, wi]);
         match self {
             Self::Black => Rgb::BLACK,
             Self::Lambert(b) => b.eval(wo, wi, mode),
@@ -179,6 +180,7 @@ impl Scatter for Bsdf {
 
     #[inline]
     fn pdf_w(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> f32 {
+        assert_unit([wo, wi]);
         match self {
             Self::Black => 0.0,
             Self::Lambert(b) => b.pdf_w(wo, wi, mode),
@@ -191,6 +193,7 @@ impl Scatter for Bsdf {
 
     #[inline]
     fn eval_and_pdf_w(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (Rgb, f32) {
+        assert_unit([wo, wi]);
         match self {
             Self::Black => (Rgb::BLACK, 0.0),
             Self::Lambert(b) => b.eval_and_pdf_w(wo, wi, mode),
@@ -203,6 +206,7 @@ impl Scatter for Bsdf {
 
     #[inline(always)]
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample> {
+        assert_unit([wo]);
         match self {
             Self::Black => None,
             Self::Lambert(b) => b.sample(wo, u, mode),
@@ -212,6 +216,15 @@ impl Scatter for Bsdf {
             Self::Mix(b) => b.sample(wo, u, mode),
         }
     }
+}
+
+/// Asserts, in builds with debug assertions, that whoever asks a BSDF keeps to the contract.
+#[inline(always)]
+fn assert_unit<const N: usize>(directions: [Vec3; N]) {
+    debug_assert!(
+        directions.iter().all(|w| w.is_normalized()),
+        "a BSDF is given directions that are not unit: {directions:?}"
+    );
 }
 
 /// True if both directions are on the same side of the surface, neither along it.

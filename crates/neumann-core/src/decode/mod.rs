@@ -8,8 +8,11 @@
 //! | [`bitmap`] | PNG, JPEG, WebP: textures |
 //! | [`radiance_hdr`] | Radiance HDR |
 //! | [`openexr`] | OpenEXR, layer by layer |
+//!
+//! Textures and OpenEXR are the crate's feature `pictures`; Radiance HDR is always read.
 
 pub mod bitmap;
+#[cfg(feature = "pictures")]
 pub mod openexr;
 pub mod radiance_hdr;
 mod radiances;
@@ -30,6 +33,9 @@ pub enum DecodeError {
     /// The file is at fault, or of a kind that cannot be read.
     #[error("{0}")]
     Content(String),
+    /// Its format is one of the feature `pictures`, without which the crate was built.
+    #[error("cannot be read by this build, whose neumann-core lacks the feature `pictures`")]
+    NoDecoder,
     /// The picture does not fit.
     #[error(transparent)]
     Memory(#[from] Shortage),

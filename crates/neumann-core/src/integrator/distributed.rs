@@ -7,12 +7,12 @@
 
 use super::path_tracing::{add_unlit, connect, hit};
 use super::{
-    Integrator, Method, Parameter, ParameterKind, ParameterValues, PixelIntegrator, Shot, Sight,
+    Integrator, Method, Parameter, ParameterKind, ParameterValues, PathIntegrator, PathStart, Sight,
 };
 use crate::bsdf::TransportMode;
 use crate::endpoint::LightChoice;
 use crate::math::Ray;
-use crate::pass::{PixelSink, Pixels};
+use crate::pass::PixelSink;
 use crate::radiometry::Rgb;
 use crate::sampling::Sampler;
 use crate::scene::bodies::Media;
@@ -115,40 +115,28 @@ impl EventNumbers<'_> {
     }
 }
 
-impl PixelIntegrator for Distributed {
-    fn trace(
-        &self,
-        shot: &Shot<'_>,
-        pixels: Pixels<'_>,
-        tracer: &mut Tracer<'_>,
-        sink: &mut PixelSink<'_>,
-    ) {
-        let Shot {
-            camera,
-            max_bounces,
-            ..
-        } = *shot;
-        let this = *self;
-        pixels.one_by_one(sink, |sample, sampler, sink| {
-            let mut events = EventNumbers { sampler, n: 0 };
-            for i in 0..this.n_lens {
-                // The position in the pixel is drawn once, the lens anew for each ray.
-                let lens = match i {
-                    0 => sampler.start().lens,
-                    _ => sampler.bounce(events.next(1)).lens,
-                };
-                let ray = camera.ray(sample.raster, lens).ray;
-                let branch = Branch {
-                    ray,
-                    throughput: Rgb::splat(1.0 / this.n_lens as f32),
-                    media: tracer.begin_at_camera(&ray),
-                    bounce: 0,
-                    is_specular: true,
-                };
-                tracer.splits(this.n_lens);
-                this.follow(branch, max_bounces, tracer, &mut events, sink);
-            }
-        });
+impl PathIntegrator for Distributed {
+    fn trace_path(&self, path: &PathStart<'_>, tracer: &mut Tracer<'_>, sink: &mut PixelSink<'_>) {
+        let mut events = EventNumbers {
+            sampler: path.sampler,
+            n: 0,
+        };
+        for i in 0..self.n_lens {
+            // The position in the pixel is drawn once, the lens anew for each ray.
+            let ray = match i {
+                0 => path.ray,
+                _ => path.ray_through(path.sampler.bounce(events.next(1)).lens),
+            };
+            let branch = Branch {
+                ray,
+                throughput: Rgb::splat(1.0 / self.n_lens as f32),
+                media: tracer.begin_at_camera(&ray),
+                bounce: 0,
+                is_specular: true,
+            };
+            tracer.splits(self.n_lens);
+            self.follow(branch, path.max_bounces, tracer, &mut events, sink);
+        }
     }
 }
 

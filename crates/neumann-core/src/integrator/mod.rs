@@ -22,9 +22,13 @@ pub use radius::Radius;
 
 use std::sync::Arc;
 
+use glam::Vec2;
+
 use crate::endpoint::Camera;
+use crate::math::Ray;
 use crate::pass::{Cancelled, Pass, PixelSink, Pixels};
 use crate::photons::PhotonMap;
+use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::transport::Tracer;
 
@@ -35,6 +39,37 @@ pub enum Integrator {
     Pixels(Box<dyn PixelIntegrator>),
     /// Passes over the picture, from camera or lights, in whatever order.
     Passes(Box<dyn PassIntegrator>),
+}
+
+/// A path as it sets out from its pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct PathStart<'a> {
+    /// Its first ray, from the lens.
+    pub ray: Ray,
+    /// Its random numbers, the first of which have chosen the ray.
+    pub sampler: &'a Sampler<'a>,
+    /// Terms with `k` up to and including this one are wanted.
+    pub max_bounces: u32,
+    camera: &'a Camera,
+    raster: Vec2,
+}
+
+impl PathStart<'_> {
+    /// Another first ray through the same point of the pixel, from the point of the lens that `u`
+    /// in [0, 1)² chooses.
+    #[must_use]
+    pub fn ray_through(&self, u: [f32; 2]) -> Ray {
+        self.camera.ray(self.raster, u).ray
+    }
+}
+
+/// A method whose paths add to the pixel that they start from, and walk each by itself.
+pub trait PathIntegrator: Send + Sync {
+    /// Traces a path, and hands what it brings to its pixel to the sink.
+    ///
+    /// A camera ray that meets nothing must bring the radiance from there, with weight 1: where
+    /// that is the same from everywhere, and nothing stands before it, no path is traced.
+    fn trace_path(&self, path: &PathStart<'_>, tracer: &mut Tracer<'_>, sink: &mut PixelSink<'_>);
 }
 
 /// What the paths of pixels go through.
@@ -48,7 +83,8 @@ pub struct Shot<'a> {
     pub max_bounces: u32,
 }
 
-/// A method whose paths add to the pixel that they start from.
+/// A method whose paths add to the pixel that they start from, and which takes the paths of many
+/// pixels at once. Every [`PathIntegrator`] is one, which takes them one by one.
 pub trait PixelIntegrator: Send + Sync {
     /// Traces the paths of some pixels, in whatever order; tells the sink which pixel a
     /// contribution belongs to ([`PixelSink::start_pixel`]).
@@ -71,6 +107,28 @@ pub trait PixelIntegrator: Send + Sync {
     /// True if more paths are to go where the picture is noisy.
     fn is_adaptive(&self) -> bool {
         false
+    }
+}
+
+impl<T: PathIntegrator> PixelIntegrator for T {
+    fn trace(
+        &self,
+        shot: &Shot<'_>,
+        pixels: Pixels<'_>,
+        tracer: &mut Tracer<'_>,
+        sink: &mut PixelSink<'_>,
+    ) {
+        let camera = shot.camera;
+        pixels.one_by_one(sink, |sample, sampler, sink| {
+            let path = PathStart {
+                ray: camera.ray(sample.raster, sampler.start().lens).ray,
+                sampler,
+                max_bounces: shot.max_bounces,
+                camera,
+                raster: sample.raster,
+            };
+            self.trace_path(&path, tracer, sink);
+        });
     }
 }
 

@@ -5,10 +5,10 @@
 
 use super::path_tracing::{add_unlit, connect, hit};
 use super::{
-    Integrator, Method, Parameter, ParameterKind, ParameterValues, PixelIntegrator, Shot, Sight,
+    Integrator, Method, Parameter, ParameterKind, ParameterValues, PathIntegrator, PathStart, Sight,
 };
 use crate::endpoint::LightChoice;
-use crate::pass::{PixelSink, Pixels};
+use crate::pass::PixelSink;
 use crate::transport::Tracer;
 use crate::transport::reflection::{aim_unshadowed, light_sample};
 
@@ -52,39 +52,26 @@ struct Shade {
     n_light_samples: u32,
 }
 
-impl PixelIntegrator for Shade {
-    fn trace(
-        &self,
-        shot: &Shot<'_>,
-        pixels: Pixels<'_>,
-        tracer: &mut Tracer<'_>,
-        sink: &mut PixelSink<'_>,
-    ) {
-        let Shot {
-            scene,
-            camera,
-            max_bounces,
-        } = *shot;
+impl PathIntegrator for Shade {
+    fn trace_path(&self, path: &PathStart<'_>, tracer: &mut Tracer<'_>, sink: &mut PixelSink<'_>) {
         let n = self.n_light_samples;
-        pixels.one_by_one(sink, |sample, sampler, sink| {
-            let ray = camera.ray(sample.raster, sampler.start().lens).ray;
-            tracer.begin_at_camera(&ray);
-            let Some(vertex) = tracer.vertex(&ray) else {
-                let radiance = scene.lights().environment_radiance(ray.direction());
-                sink.add(hit(0, radiance, 1.0));
-                return;
-            };
-            add_unlit(tracer, &vertex, sink);
-            sink.add(hit(0, tracer.emitted(&vertex), 1.0));
-            if max_bounces == 0 || !vertex.bsdf.has_density() {
-                return;
+        let ray = path.ray;
+        tracer.begin_at_camera(&ray);
+        let Some(vertex) = tracer.vertex(&ray) else {
+            let radiance = tracer.scene.lights().environment_radiance(ray.direction());
+            sink.add(hit(0, radiance, 1.0));
+            return;
+        };
+        add_unlit(tracer, &vertex, sink);
+        sink.add(hit(0, tracer.emitted(&vertex), 1.0));
+        if path.max_bounces == 0 || !vertex.bsdf.has_density() {
+            return;
+        }
+        for i in 0..n {
+            let u = light_sample(&path.sampler.bounce(i));
+            if let Some((aimed, _)) = aim_unshadowed(tracer, &vertex, LightChoice::Tree, &u) {
+                sink.add(connect(1, aimed.value, 1.0 / n as f32));
             }
-            for i in 0..n {
-                let u = light_sample(&sampler.bounce(i));
-                if let Some((aimed, _)) = aim_unshadowed(tracer, &vertex, LightChoice::Tree, &u) {
-                    sink.add(connect(1, aimed.value, 1.0 / n as f32));
-                }
-            }
-        });
+        }
     }
 }

@@ -183,7 +183,10 @@ pub(crate) fn lanes_of(mask: u32) -> impl Iterator<Item = usize> {
 
 /// Makes a function of which the body is compiled for vectors of several lengths.
 macro_rules! vectorized {
-    ($(#[$attribute:meta])* $visibility:vis fn $name:ident($($argument:ident: $type:ty),* $(,)?) $body:block) => {
+    (
+        $(#[$attribute:meta])*
+        $visibility:vis fn $name:ident($($argument:ident: $type:ty),* $(,)?) $body:block
+    ) => {
         $(#[$attribute])*
         $visibility fn $name($($argument: $type),*) {
             #[inline(always)]
@@ -200,7 +203,10 @@ macro_rules! vectorized {
                     body($($argument),*);
                 }
                 if $crate::math::lanes::has_avx512() {
-                    #[allow(unsafe_code, reason = "the processor was just found to have these features")]
+                    #[allow(
+                        unsafe_code,
+                        reason = "the processor was just found to have these features"
+                    )]
                     // SAFETY: as said.
                     return unsafe { with_avx512($($argument),*) };
                 }

@@ -360,7 +360,8 @@ fn sound_triangles(
     let mesh_name = &mesh.name;
     if n_odd > 0 {
         warnings.push(format!(
-            "node '{name}', mesh '{mesh_name}': {n_odd} triangles with corners that are not finite (or beyond 1e9 m) left out"
+            "node '{name}', mesh '{mesh_name}': {n_odd} triangles with corners that are not finite \
+             (or beyond 1e9 m) left out"
         ));
     }
     if n_flat > 0 {

@@ -8,7 +8,6 @@ mod appearance;
 pub mod bodies;
 mod build;
 pub mod builtin;
-mod casters;
 pub mod description;
 pub mod geometry;
 mod lighting;
@@ -17,10 +16,11 @@ mod progress;
 #[allow(clippy::module_inception, reason = "the Scene itself")]
 mod scene;
 mod sky;
+mod specular_casters;
 
 pub use appearance::{Appearance, Backs, Level};
 pub use builtin::open;
-pub use casters::Caster;
 pub use progress::{OpeningProgress, OpeningStep};
 pub use scene::{BetterTree, Scene, Statistics};
 pub use sky::{Sky, SkyChoice};
+pub use specular_casters::SpecularCaster;

@@ -6,10 +6,10 @@ use glam::Vec3;
 
 use super::appearance::{Appearance, Backs};
 use super::bodies::Bodies;
-use super::casters::{Caster, casters};
 use super::description::{CameraDescription, DefaultSky, LoadReport, Projection, SceneDescription};
 use super::geometry::{Geometry, PlacedMesh};
 use super::lighting::TexelMaps;
+use super::specular_casters::{SpecularCaster, specular_casters};
 use super::{OpeningProgress, Sky, build, lighting};
 use crate::accel::{Bvh, TreeQuality};
 use crate::bsdf::{Bsdf, Lambert};
@@ -36,7 +36,7 @@ pub struct Scene {
     openness: Openness,
     /// `reflectors[mesh]`
     reflectors: Vec<Option<PlainReflector>>,
-    casters: Vec<Caster>,
+    specular_casters: Vec<SpecularCaster>,
     bodies: Bodies,
     maps: TexelMaps,
 }
@@ -164,7 +164,7 @@ impl Scene {
             lights: dress.lights,
             openness: dress.openness,
             reflectors: dress.reflectors,
-            casters: dress.casters,
+            specular_casters: dress.specular_casters,
             bodies: dress.bodies,
             maps: dress.maps,
         }
@@ -197,7 +197,7 @@ impl Scene {
             lights: dress.lights,
             openness: dress.openness,
             reflectors: dress.reflectors,
-            casters: dress.casters,
+            specular_casters: dress.specular_casters,
             bodies: dress.bodies,
             maps: dress.maps,
             ..self.clone()
@@ -304,12 +304,12 @@ impl Scene {
         &self.lights
     }
 
-    /// Mirrors and glass that may cast caustics, [`Caster::MAX`] at most; none where no light can
-    /// be found by way of them.
+    /// Mirrors and glass that may cast caustics, [`SpecularCaster::MAX`] at most; none where no
+    /// light can be found by way of them.
     #[inline]
     #[must_use]
-    pub fn casters(&self) -> &[Caster] {
-        &self.casters
+    pub fn specular_casters(&self) -> &[SpecularCaster] {
+        &self.specular_casters
     }
 
     /// What has an inside that light passes through.
@@ -454,7 +454,7 @@ struct Dress {
     lights: Lights,
     openness: Openness,
     reflectors: Vec<Option<PlainReflector>>,
-    casters: Vec<Caster>,
+    specular_casters: Vec<SpecularCaster>,
     bodies: Bodies,
     maps: TexelMaps,
 }
@@ -498,7 +498,7 @@ fn dress(
     };
     Dress {
         reflectors: geometry.meshes().iter().map(reflector).collect(),
-        casters: casters(geometry, &materials, &lights),
+        specular_casters: specular_casters(geometry, &materials, &lights),
         bodies,
         materials,
         lights,

@@ -280,7 +280,12 @@ impl DiffuseSamples {
 }
 
 vectorized! {
-    fn sample(v: &DiffuseVertices<'_>, u: &[Lanes<f32>; 3], mode: TransportMode, samples: &mut DiffuseSamples) {
+    fn sample(
+        v: &DiffuseVertices<'_>,
+        u: &[Lanes<f32>; 3],
+        mode: TransportMode,
+        samples: &mut DiffuseSamples,
+    ) {
         for lane in 0..LANES {
             let vertex = v.vertex(lane);
             let sample = vertex.sample([0, 1, 2].map(|i| u[i].get(lane)), mode);

@@ -1,11 +1,11 @@
 //! Steps of paths: meeting a surface, asking who sees whom, one integral of reflection.
 
 mod bent;
-pub mod casters;
 mod crossings;
 pub(crate) mod diffuse;
 mod medium;
 pub mod reflection;
+pub mod specular_casters;
 mod tracer;
 mod trail;
 mod vertex;

@@ -150,6 +150,7 @@ impl SurfaceVertex<'_> {
             Bsdf::Lambert(lambert) => self.diffuse(lambert, wi, wi_local, mode)?,
             other => {
                 let (from, to) = (self.given(), Direction::new(wi, wi_local));
+                self.assert_local([from, to]);
                 if self.is_plain(from) && self.is_plain(to) {
                     let (f, pdf_w) = other.eval_and_pdf_w(self.wo_local, wi_local, mode);
                     let factor = wi_local.z.abs() * self.normal_correction(to, mode);
@@ -209,6 +210,9 @@ impl SurfaceVertex<'_> {
     /// Density of one direction given another, 1/sr, delta lobes not counted.
     #[inline(always)]
     fn pdf_w_of_pair(&self, given: Direction, found: Direction, mode: TransportMode) -> f32 {
+        if !matches!(self.bsdf, Bsdf::Lambert(_)) {
+            self.assert_local([given, found]);
+        }
         match &self.bsdf {
             Bsdf::Lambert(_) => {
                 let ng = self.point.ng;
@@ -249,6 +253,20 @@ impl SurfaceVertex<'_> {
             },
         };
         (!sample.f_cos.is_black()).then_some(sample)
+    }
+
+    /// Asserts, in builds with debug assertions, that directions are in the shading frame, as BSDFs
+    /// expect them. Diffuse vertices are not asked: an assertion would break up the vectors that
+    /// are made of their steps.
+    #[inline(always)]
+    fn assert_local<const N: usize>(&self, directions: [Direction; N]) {
+        debug_assert!(
+            directions.iter().all(|w| {
+                let local = self.frame.local_from_world(w.world);
+                w.local.abs_diff_eq(local, 1e-3)
+            }),
+            "a BSDF is given a direction that is not in the shading frame"
+        );
     }
 
     /// `wo`, in both frames.
@@ -365,6 +383,7 @@ impl SurfaceVertex<'_> {
         u: [f32; 3],
         mode: TransportMode,
     ) -> Option<Option<VertexSample>> {
+        self.assert_local([self.given()]);
         if !self.is_plain(self.given()) {
             return Some(None);
         }

@@ -197,8 +197,8 @@ impl App {
         }
     }
 
-    /// Whoever made a file had another program's exposure in mind; a built-in scene suits
-    /// exposure 0.
+    /// Whoever made a file had another program's exposure in mind; a built-in scene suits exposure
+    /// 0.
     fn expose_for(&mut self, source: &str) {
         if builtin(source).is_none() {
             self.viewing.settings.is_auto = true;

@@ -28,9 +28,11 @@ pub struct Look {
     pub left: [f32; 4],
     /// The same of the right one.
     pub right: [f32; 4],
-    /// Radiance per stored unit left and right (filled in on upload), exposure factor, place of the wipe.
+    /// Radiance per stored unit left and right (filled in on upload), exposure factor, place of the
+    /// wipe.
     pub scale: [f32; 4],
-    /// Base-2 logarithms of the ends of the false-colour range; difference at the end of its scale; unused.
+    /// Base-2 logarithms of the ends of the false-colour range; difference at the end of its scale;
+    /// unused.
     pub range: [f32; 4],
     /// Row of the colour map; the rest is unused.
     pub map: [i32; 4],

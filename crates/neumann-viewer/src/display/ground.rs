@@ -1,5 +1,5 @@
-//! The ground that a picture lies on: one grey, without the texture that the toolkit's own
-//! shapes read at each pixel. On a software adapter that is a quarter of a frame's time.
+//! The ground that a picture lies on: one grey, without the texture that the toolkit's own shapes
+//! read at each pixel. On a software adapter that is a quarter of a frame's time.
 
 use egui::{Color32, PaintCallbackInfo, Rect, Ui};
 use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor, wgpu};

@@ -75,8 +75,8 @@ impl ViewSettings {
         }
     }
 
-    /// Base-2 logarithms of the luminances at the ends of the false colours: the brightest
-    /// is two stops above what the exposure brings to white.
+    /// Base-2 logarithms of the luminances at the ends of the false colours: the brightest is two
+    /// stops above what the exposure brings to white.
     #[must_use]
     pub fn map_range(&self) -> [f32; 2] {
         let top = 2.0 - self.exposure_ev;
@@ -120,7 +120,8 @@ impl ViewSettings {
         }
     }
 
-    /// Shows the row's term or sum with that number; the last place of the terms is the tail, that of the sums L.
+    /// Shows the row's term or sum with that number; the last place of the terms is the tail, that
+    /// of the sums L.
     pub fn choose(&mut self, is_sum: bool, place: usize, n_layers: usize) {
         self.part = match (is_sum, place < n_layers) {
             (false, true) => Part::Term(place),

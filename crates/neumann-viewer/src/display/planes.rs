@@ -1,8 +1,8 @@
 //! Pictures on their way to the graphics device: half floats, with a common factor.
 //!
-//! The factor is a power of two near the picture's mean, so that half floats
-//! (6e-8 to 65504) reach five orders of magnitude above it and keep eleven bits
-//! everywhere. Buffers are reused from frame to frame.
+//! The factor is a power of two near the picture's mean, so that half floats (6e-8 to 65504) reach
+//! five orders of magnitude above it and keep eleven bits everywhere. Buffers are reused from frame
+//! to frame.
 
 use half::f16;
 use half::slice::HalfFloatSliceExt;

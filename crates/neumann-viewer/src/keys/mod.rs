@@ -114,8 +114,8 @@ pub struct HelpLine {
 
 /// Takes from the frame's events those that the table binds, in the order they came.
 ///
-/// While a text field has the keyboard only combinations with Ctrl and function
-/// keys act; while another control has it, arrows, Space and Tab stay with it.
+/// While a text field has the keyboard only combinations with Ctrl and function keys act; while
+/// another control has it, arrows, Space and Tab stay with it.
 pub fn take_actions(ctx: &Context) -> Vec<Action> {
     let is_typing = ctx.text_edit_focused();
     let focused = ctx.memory(|m| m.focused());

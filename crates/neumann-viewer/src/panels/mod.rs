@@ -66,7 +66,8 @@ pub fn show(
             shell.page = Page::ALL[i];
         }
         ui.add_space(GRID / 2.0);
-        // Text runs to the edge of the panel's own margin; what scrolls is cut a little further out.
+        // Text runs to the edge of the panel's own margin; what scrolls is cut a little further
+        // out.
         let area = ui
             .available_rect_before_wrap()
             .expand2(egui::vec2(GRID, 0.0));

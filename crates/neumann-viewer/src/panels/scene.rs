@@ -124,7 +124,8 @@ fn backs(ui: &mut Ui, setup: &mut Setup, notices: &mut Notices) {
     }
     response.on_hover_text(
         "Single-sided surfaces that the camera sees from behind are left out: the walls of a room \
-         from outside, the hull that draws a model's outline. To light they stay solid, unless they are unlit.",
+         from outside, the hull that draws a model's outline. To light they stay solid, unless \
+         they are unlit.",
     );
 }
 

@@ -41,7 +41,8 @@ impl<'a> Slider<'a> {
         self
     }
 
-    /// Equal distances are equal factors. A range that starts at 0 begins to be so at a 100 000th of its end.
+    /// Equal distances are equal factors. A range that starts at 0 begins to be so at a 100 000th
+    /// of its end.
     #[must_use]
     pub fn logarithmic(mut self, is_logarithmic: bool) -> Self {
         self.is_logarithmic = is_logarithmic;

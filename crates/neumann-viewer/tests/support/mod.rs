@@ -82,7 +82,8 @@ pub(crate) fn app_of(published: Published, options: ViewOptions) -> App {
     app
 }
 
-/// The same, by bidirectional path tracing, with what one iteration of it makes of cornell as techniques.
+/// The same, by bidirectional path tracing, with what one iteration of it makes of cornell as
+/// techniques.
 pub(crate) fn app_with_techniques() -> App {
     let options = ViewOptions {
         size: Some((96, 96)),

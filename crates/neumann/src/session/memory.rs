@@ -25,8 +25,8 @@ pub(crate) fn check_film(width: usize, height: usize, n_layers: usize) -> Outcom
         return Ok(());
     }
     Err(bad_input(format!(
-        "--size: a film of {width}x{height} with {n_layers} layers needs {:.1} GB, but {:.1} GB of memory are free; \
-         choose a smaller --size or fewer --layers",
+        "--size: a film of {width}x{height} with {n_layers} layers needs {:.1} GB, but {:.1} GB of \
+         memory are free; choose a smaller --size or fewer --layers",
         needed as f64 * 1e-9,
         available as f64 * 1e-9
     )))

@@ -55,7 +55,8 @@ impl Session {
         }
         if checkpoint.metadata.program_version != ours.program_version {
             console::note(&format!(
-                "warning: {} was rendered by version {}; its iterations may differ from those of {}",
+                "warning: {} was rendered by version {}; its iterations may differ from those of \
+                 {}",
                 path.display(),
                 checkpoint.metadata.program_version,
                 ours.program_version

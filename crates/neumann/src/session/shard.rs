@@ -11,8 +11,8 @@ pub(crate) struct Shard {
 }
 
 impl Shard {
-    /// The iterations of this part. Parts are disjoint, together they are all iterations, and
-    /// their lengths differ by one at most.
+    /// The iterations of this part. Parts are disjoint, together they are all iterations, and their
+    /// lengths differ by one at most.
     pub(crate) fn part_of(self, all: Range<u32>) -> Range<u32> {
         let n = u64::from(all.end - all.start);
         let start_of = |number: u32| {

@@ -33,7 +33,8 @@ fn no_window(error: ViewError) -> NoWindow {
             "no display to open a window on; set DISPLAY or WAYLAND_DISPLAY".to_owned(),
         ),
         ViewError::NoAdapter(_) => NoWindow::Impossible(
-            "no graphics adapter; install a Vulkan driver (on Debian: apt install mesa-vulkan-drivers)"
+            "no graphics adapter; install a Vulkan driver (on Debian: apt install \
+             mesa-vulkan-drivers)"
                 .to_owned(),
         ),
         error @ ViewError::TooLarge { .. } => NoWindow::Failed(bad_input(error)),

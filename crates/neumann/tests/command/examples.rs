@@ -211,8 +211,8 @@ fn try_one(folder: &Folder, origin: &str, mut line: Vec<String>) {
     assert!(output.status.success(), "{said}, run as {line:?}: {stderr}");
 }
 
-/// Counts become a 64th, so that ranges of iterations that go together still do; pictures and
-/// times become small.
+/// Counts become a 64th, so that ranges of iterations that go together still do; pictures and times
+/// become small.
 fn make_small(line: &mut Vec<String>, opens_window: bool) {
     let mut has = Vec::new();
     for i in 1..line.len() {

@@ -76,7 +76,8 @@ fn write_square(folder: &Folder, material: &Value) {
         "extensionsUsed": ["KHR_materials_clearcoat", "KHR_xmp_json_ld"],
         "scenes": [{ "nodes": [0] }],
         "nodes": [{ "mesh": 0 }],
-        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "mode": 5, "material": 0 }] }],
+        "meshes": [{ "primitives": [
+            { "attributes": { "POSITION": 0 }, "mode": 5, "material": 0 }] }],
         "materials": [material],
         "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
             "min": [-1, -1, 0], "max": [1, 1, 0] }],

@@ -24,16 +24,20 @@ fn refused(folder: &Folder, line: &str, expected: &str) {
 
 /// A scene with a texture, a buffer and a sky beside it.
 fn write_scene(folder: &Folder) {
-    let png = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4//8/AAX+Av4N70a4AAAAAElFTkSuQmCC";
+    let png = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4//8/AAX+Av4N70a4\
+        AAAAAElFTkSuQmCC";
     let scene = format!(
         r#"{{"asset": {{"version": "2.0"}}, "scene": 0,
-        "scenes": [{{"nodes": [0], "extras": {{"neumann": {{"environment": {{"uri": "sky.exr"}}}}}}}}],
+        "scenes": [{{"nodes": [0],
+            "extras": {{"neumann": {{"environment": {{"uri": "sky.exr"}}}}}}}}],
         "nodes": [{{"mesh": 0}}],
-        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0, "TEXCOORD_0": 1}}, "material": 0}}]}}],
+        "meshes": [{{"primitives": [
+            {{"attributes": {{"POSITION": 0, "TEXCOORD_0": 1}}, "material": 0}}]}}],
         "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}],
         "textures": [{{"source": 0}}], "images": [{{"uri": "wood.png"}}],
         "buffers": [{{"uri": "data.png", "byteLength": 60}}],
-        "bufferViews": [{{"buffer": 0, "byteLength": 36}}, {{"buffer": 0, "byteOffset": 36, "byteLength": 24}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 36}},
+            {{"buffer": 0, "byteOffset": 36, "byteLength": 24}}],
         "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}},
                       {{"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2"}}],
         "extras": "{png}"}}"#

@@ -20,7 +20,8 @@ const POWER: f64 = 0.05;
 /// Four plates, four lights and a lamp above.
 pub(crate) fn plates() -> Scene {
     let mut scene = Scene::new(
-        "Veach's plates: glossy metal under lights of equal power, for multiple importance sampling",
+        "Veach's plates: glossy metal under lights of equal power, for multiple importance \
+         sampling",
     );
 
     let grey = scene.material(Material::lambert("grey", [0.4; 3]));

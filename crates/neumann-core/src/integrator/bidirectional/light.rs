@@ -396,7 +396,13 @@ impl LightVertex {
 
 vectorized! {
     /// Aims at the lens.
-    fn see(vertices: &VertexLanes<'_>, u: &[Lanes<f32>; 2], seen: &mut Unseen, camera: &Camera, weighing: &MisWeights) {
+    fn see(
+        vertices: &VertexLanes<'_>,
+        u: &[Lanes<f32>; 2],
+        seen: &mut Unseen,
+        camera: &Camera,
+        weighing: &MisWeights,
+    ) {
         knowing_heuristic!(weighing => see_lanes(vertices, u, seen, camera, weighing));
     }
 }

@@ -148,7 +148,13 @@ impl<'a> LightSubpath<'a> {
 
 vectorized! {
     /// Connects a diffuse vertex to those of all lanes.
-    fn join(camera: &Vertex<'_>, lambert: Lambert, lights: &VertexLanes<'_>, weighing: &MisWeights, joined: &mut Unseen) {
+    fn join(
+        camera: &Vertex<'_>,
+        lambert: Lambert,
+        lights: &VertexLanes<'_>,
+        weighing: &MisWeights,
+        joined: &mut Unseen,
+    ) {
         knowing_heuristic!(weighing => join_lanes(camera, lambert, lights, weighing, joined));
     }
 }

@@ -11,7 +11,8 @@
 //!
 //! all relative to the density of the subpath itself. At the joint of two subpaths the weight is
 //! `1 / (w_light + 1 + w_camera)` with (37)-(46). Each ratio of densities goes through
-//! [`Heuristic::of`], which makes the balance heuristic, the power heuristic or a plain average of it.
+//! [`Heuristic::of`], which makes the balance heuristic, the power heuristic or a plain average of
+//! it.
 //!
 //! Numbers of samples enter as ratios. Per camera subpath there is one connection by each technique
 //! with t ≥ 2; techniques that end on the lens use all light subpaths, N of them for each camera

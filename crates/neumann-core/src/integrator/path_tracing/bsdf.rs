@@ -5,8 +5,8 @@
 //! glass, whose `f` is a delta, can be followed at all.
 
 use crate::bsdf::TransportMode;
-use crate::integrator::{Integrator, Method, ParameterValues, PixelIntegrator, Shot, Sight};
-use crate::pass::{PixelSink, Pixels};
+use crate::integrator::{Integrator, Method, ParameterValues, PathIntegrator, PathStart, Sight};
+use crate::pass::PixelSink;
 use crate::radiometry::Rgb;
 use crate::transport::Tracer;
 
@@ -33,47 +33,33 @@ pub static METHOD: Method = Method {
 
 struct BsdfSampling;
 
-impl PixelIntegrator for BsdfSampling {
-    fn trace(
-        &self,
-        shot: &Shot<'_>,
-        pixels: Pixels<'_>,
-        tracer: &mut Tracer<'_>,
-        sink: &mut PixelSink<'_>,
-    ) {
-        let Shot {
-            camera,
-            max_bounces,
-            ..
-        } = *shot;
-        pixels.one_by_one(sink, |sample, sampler, sink| {
-            let mut ray = camera.ray(sample.raster, sampler.start().lens).ray;
-            let mut throughput = Rgb::WHITE;
-            let mut media = tracer.begin_at_camera(&ray);
-            for bounce in 0..=max_bounces {
-                // L_e of what the ray meets, or of the environment, after `bounce` applications
-                // of T.
-                let met = tracer.meet(&ray, &mut media, &mut throughput);
-                let emitted = tracer.emitted_along(&ray, met.as_ref());
-                sink.add(hit(bounce, throughput * emitted, 1.0));
-                let Some(vertex) = met else {
-                    return;
-                };
-                if bounce == 0 {
-                    add_unlit(tracer, &vertex, sink);
-                }
-
-                // Draw a direction from the BSDF, and on to the next vertex.
-                let u = sampler.bounce(bounce);
-                let Some(sample) = vertex.sample(u.bsdf(), MODE) else {
-                    return;
-                };
-                throughput *= sample.throughput();
-                tracer.leaves(&vertex, &sample, MODE, 1.0);
-                media = vertex.media_towards(sample.wi, media);
-                ray = vertex.ray(sample.wi);
+impl PathIntegrator for BsdfSampling {
+    fn trace_path(&self, path: &PathStart<'_>, tracer: &mut Tracer<'_>, sink: &mut PixelSink<'_>) {
+        let mut ray = path.ray;
+        let mut throughput = Rgb::WHITE;
+        let mut media = tracer.begin_at_camera(&ray);
+        for bounce in 0..=path.max_bounces {
+            // L_e of what the ray meets, or of the environment, after `bounce` applications of T.
+            let met = tracer.meet(&ray, &mut media, &mut throughput);
+            let emitted = tracer.emitted_along(&ray, met.as_ref());
+            sink.add(hit(bounce, throughput * emitted, 1.0));
+            let Some(vertex) = met else {
+                return;
+            };
+            if bounce == 0 {
+                add_unlit(tracer, &vertex, sink);
             }
-        });
+
+            // Draw a direction from the BSDF, and on to the next vertex.
+            let u = path.sampler.bounce(bounce);
+            let Some(sample) = vertex.sample(u.bsdf(), MODE) else {
+                return;
+            };
+            throughput *= sample.throughput();
+            tracer.leaves(&vertex, &sample, MODE, 1.0);
+            media = vertex.media_towards(sample.wi, media);
+            ray = vertex.ray(sample.wi);
+        }
     }
 }
 

@@ -10,9 +10,9 @@
 //! direction is preferred, no light is aimed at, no path ends before the cut.
 //! Where light can pass through a surface, directions are drawn from the whole sphere.
 
-use crate::integrator::{Integrator, Method, ParameterValues, PixelIntegrator, Shot, Sight};
+use crate::integrator::{Integrator, Method, ParameterValues, PathIntegrator, PathStart, Sight};
 use crate::math::Frame;
-use crate::pass::{PixelSink, Pixels};
+use crate::pass::PixelSink;
 use crate::radiometry::Rgb;
 use crate::sampling::warp;
 use crate::transport::Tracer;
@@ -45,56 +45,42 @@ pub static METHOD: Method = Method {
 
 struct Naive;
 
-impl PixelIntegrator for Naive {
-    fn trace(
-        &self,
-        shot: &Shot<'_>,
-        pixels: Pixels<'_>,
-        tracer: &mut Tracer<'_>,
-        sink: &mut PixelSink<'_>,
-    ) {
-        let Shot {
-            camera,
-            max_bounces,
-            ..
-        } = *shot;
-        pixels.one_by_one(sink, |sample, sampler, sink| {
-            let mut ray = camera.ray(sample.raster, sampler.start().lens).ray;
-            let mut throughput = Rgb::WHITE;
-            let mut media = tracer.begin_at_camera(&ray);
-            for bounce in 0..=max_bounces {
-                // L_e of what the ray meets, or of the environment, after `bounce` applications
-                // of T.
-                let met = tracer.meet(&ray, &mut media, &mut throughput);
-                let emitted = tracer.emitted_along(&ray, met.as_ref());
-                sink.add(hit(bounce, throughput * emitted, 1.0));
-                let Some(vertex) = met else {
-                    return;
-                };
-                if bounce == 0 {
-                    add_unlit(tracer, &vertex, sink);
-                }
-
-                // Draw a direction uniformly.
-                let u = sampler.bounce(bounce).direction;
-                let (local, pdf_w) = if vertex.bsdf.is_transmissive() {
-                    (warp::uniform_sphere(u), warp::UNIFORM_SPHERE_PDF_W)
-                } else {
-                    (warp::uniform_hemisphere(u), warp::UNIFORM_HEMISPHERE_PDF_W)
-                };
-                let side = 1f32.copysign(vertex.point.ng.dot(vertex.wo));
-                let wi = Frame::from_z(vertex.point.ng).world_from_local(local) * side;
-
-                // f · cos / p, and on to the next vertex.
-                let sample = VertexSample::new(wi, vertex.f_cos(wi, MODE), pdf_w);
-                throughput *= sample.throughput();
-                tracer.leaves(&vertex, &sample, MODE, 1.0);
-                if throughput.is_black() {
-                    return;
-                }
-                media = vertex.media_towards(wi, media);
-                ray = vertex.ray(wi);
+impl PathIntegrator for Naive {
+    fn trace_path(&self, path: &PathStart<'_>, tracer: &mut Tracer<'_>, sink: &mut PixelSink<'_>) {
+        let mut ray = path.ray;
+        let mut throughput = Rgb::WHITE;
+        let mut media = tracer.begin_at_camera(&ray);
+        for bounce in 0..=path.max_bounces {
+            // L_e of what the ray meets, or of the environment, after `bounce` applications of T.
+            let met = tracer.meet(&ray, &mut media, &mut throughput);
+            let emitted = tracer.emitted_along(&ray, met.as_ref());
+            sink.add(hit(bounce, throughput * emitted, 1.0));
+            let Some(vertex) = met else {
+                return;
+            };
+            if bounce == 0 {
+                add_unlit(tracer, &vertex, sink);
             }
-        });
+
+            // Draw a direction uniformly.
+            let u = path.sampler.bounce(bounce).direction;
+            let (local, pdf_w) = if vertex.bsdf.is_transmissive() {
+                (warp::uniform_sphere(u), warp::UNIFORM_SPHERE_PDF_W)
+            } else {
+                (warp::uniform_hemisphere(u), warp::UNIFORM_HEMISPHERE_PDF_W)
+            };
+            let side = 1f32.copysign(vertex.point.ng.dot(vertex.wo));
+            let wi = Frame::from_z(vertex.point.ng).world_from_local(local) * side;
+
+            // f · cos / p, and on to the next vertex.
+            let sample = VertexSample::new(wi, vertex.f_cos(wi, MODE), pdf_w);
+            throughput *= sample.throughput();
+            tracer.leaves(&vertex, &sample, MODE, 1.0);
+            if throughput.is_black() {
+                return;
+            }
+            media = vertex.media_towards(wi, media);
+            ray = vertex.ray(wi);
+        }
     }
 }

@@ -7,9 +7,9 @@
 
 use crate::endpoint::LightChoice;
 use crate::integrator::{
-    Integrator, Method, Parameter, ParameterKind, ParameterValues, PixelIntegrator, Shot, Sight,
+    Integrator, Method, Parameter, ParameterKind, ParameterValues, PathIntegrator, PathStart, Sight,
 };
-use crate::pass::{PixelSink, Pixels};
+use crate::pass::PixelSink;
 use crate::radiometry::Rgb;
 use crate::transport::Tracer;
 use crate::transport::reflection::{aim_at_light, light_sample};
@@ -62,65 +62,51 @@ struct NextEvent {
     choice: LightChoice,
 }
 
-impl PixelIntegrator for NextEvent {
-    fn trace(
-        &self,
-        shot: &Shot<'_>,
-        pixels: Pixels<'_>,
-        tracer: &mut Tracer<'_>,
-        sink: &mut PixelSink<'_>,
-    ) {
-        let Shot {
-            scene,
-            camera,
-            max_bounces,
-        } = *shot;
-        let choice = self.choice;
-        pixels.one_by_one(sink, |sample, sampler, sink| {
-            let mut ray = camera.ray(sample.raster, sampler.start().lens).ray;
-            let mut throughput = Rgb::WHITE;
-            let mut media = tracer.begin_at_camera(&ray);
-            let mut is_specular = true;
-            for bounce in 0..=max_bounces {
-                // What does the ray meet? Nothing: the environment emits.
-                let Some(vertex) = tracer.meet(&ray, &mut media, &mut throughput) else {
-                    if is_specular {
-                        let radiance = scene.lights().environment_radiance(ray.direction());
-                        sink.add(hit(bounce, throughput * radiance, 1.0));
-                    }
-                    return;
-                };
-                if bounce == 0 {
-                    add_unlit(tracer, &vertex, sink);
-                }
-
-                // L_e counts where the vertex before could not aim at it.
+impl PathIntegrator for NextEvent {
+    fn trace_path(&self, path: &PathStart<'_>, tracer: &mut Tracer<'_>, sink: &mut PixelSink<'_>) {
+        let mut ray = path.ray;
+        let mut throughput = Rgb::WHITE;
+        let mut media = tracer.begin_at_camera(&ray);
+        let mut is_specular = true;
+        for bounce in 0..=path.max_bounces {
+            // What does the ray meet? Nothing: the environment emits.
+            let Some(vertex) = tracer.meet(&ray, &mut media, &mut throughput) else {
                 if is_specular {
-                    sink.add(hit(bounce, throughput * tracer.emitted(&vertex), 1.0));
+                    let radiance = tracer.scene.lights().environment_radiance(ray.direction());
+                    sink.add(hit(bounce, throughput * radiance, 1.0));
                 }
-                if bounce == max_bounces {
-                    return;
-                }
-
-                // The next event: light that scatters here, aimed at.
-                let u = sampler.bounce(bounce);
-                if vertex.bsdf.has_density() {
-                    let light = light_sample(&u);
-                    if let Some(aimed) = aim_at_light(tracer, &vertex, media, choice, &light) {
-                        sink.add(connect(bounce + 1, throughput * aimed.value, 1.0));
-                    }
-                }
-
-                // Draw a direction from the BSDF, and on to the next vertex.
-                let Some(sample) = vertex.sample(u.bsdf(), MODE) else {
-                    return;
-                };
-                throughput *= sample.throughput();
-                tracer.leaves(&vertex, &sample, MODE, 1.0);
-                is_specular = sample.is_delta;
-                media = vertex.media_towards(sample.wi, media);
-                ray = vertex.ray(sample.wi);
+                return;
+            };
+            if bounce == 0 {
+                add_unlit(tracer, &vertex, sink);
             }
-        });
+
+            // L_e counts where the vertex before could not aim at it.
+            if is_specular {
+                sink.add(hit(bounce, throughput * tracer.emitted(&vertex), 1.0));
+            }
+            if bounce == path.max_bounces {
+                return;
+            }
+
+            // The next event: light that scatters here, aimed at.
+            let u = path.sampler.bounce(bounce);
+            if vertex.bsdf.has_density() {
+                let light = light_sample(&u);
+                if let Some(aimed) = aim_at_light(tracer, &vertex, media, self.choice, &light) {
+                    sink.add(connect(bounce + 1, throughput * aimed.value, 1.0));
+                }
+            }
+
+            // Draw a direction from the BSDF, and on to the next vertex.
+            let Some(sample) = vertex.sample(u.bsdf(), MODE) else {
+                return;
+            };
+            throughput *= sample.throughput();
+            tracer.leaves(&vertex, &sample, MODE, 1.0);
+            is_specular = sample.is_delta;
+            media = vertex.media_towards(sample.wi, media);
+            ray = vertex.ray(sample.wi);
+        }
     }
 }

@@ -105,7 +105,8 @@ impl<'a> Accessor<'a> {
             return Err(Fault::broken(
                 item.path("count"),
                 format!(
-                    "is {count}, but there is no bufferView, and at most {MOST_ZEROS} zeros are made up"
+                    "is {count}, but there is no bufferView, and at most {MOST_ZEROS} zeros are \
+                     made up"
                 ),
             ));
         }

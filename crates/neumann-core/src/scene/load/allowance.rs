@@ -51,7 +51,8 @@ impl Allowance {
             None => Err(Fault::new(
                 field,
                 format!(
-                    "needs {bytes} more bytes once decoded, out of proportion to the size of the file"
+                    "needs {bytes} more bytes once decoded, out of proportion to the size of the \
+                     file"
                 ),
                 "split the file, or let its primitives not share one huge accessor",
             )),

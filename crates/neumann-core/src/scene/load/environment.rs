@@ -5,14 +5,12 @@
 //! `{"uri": "sky.hdr", "intensity": 1.0, "rotationDegrees": 0.0}` or
 //! `{"color": [r, g, b], "intensity": 1.0}`.
 
-use std::io::Cursor;
-
 use super::error::{Fault, quoted};
 use super::factor::{Factors, LARGEST};
 use super::json::Item;
 use super::notes::Notes;
 use super::source::Source;
-use crate::decode::{DecodeError, Radiances, StoredRadiances, openexr, radiance_hdr};
+use crate::decode::{DecodeError, Radiances, StoredRadiances, radiance_hdr};
 use crate::memory::Share;
 use crate::radiometry::Rgb;
 use crate::scene::description::EnvironmentDescription;
@@ -77,19 +75,11 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<Decoded, Fault> {
     let mut memory = Share::default();
     let decoded = if radiance_hdr::is_hdr(bytes) {
         decode_hdr(bytes, &mut memory)
-    } else if bytes.starts_with(&openexr::MAGIC) {
-        decode_exr(bytes, &mut memory)
     } else {
-        Err(DecodeError::Content(
-            "is neither a Radiance HDR nor an OpenEXR image".to_owned(),
-        ))
+        decode_exr(bytes, &mut memory)
     };
-    let (width, height, mut texels) = decoded.map_err(|error| match error {
-        DecodeError::Content(problem) => {
-            Fault::new("", problem, "use a lat-long map as .hdr or .exr")
-        }
-        DecodeError::Memory(shortage) => Fault::short("", "", shortage),
-    })?;
+    let (width, height, mut texels) = decoded
+        .map_err(|error| Fault::undecoded("", "", error, "use a lat-long map as .hdr or .exr"))?;
     let mut warnings = Vec::new();
     let n_mended = texels.mend();
     if n_mended > 0 {
@@ -125,8 +115,15 @@ fn decode_hdr(bytes: &[u8], memory: &mut Share) -> Result<Texels, DecodeError> {
     Ok((header.width, header.height, texels))
 }
 
+#[cfg(feature = "pictures")]
 fn decode_exr(bytes: &[u8], memory: &mut Share) -> Result<Texels, DecodeError> {
-    let file = openexr::File::open(Cursor::new(bytes), bytes.len() as u64)?;
+    use crate::decode::openexr;
+
+    if !bytes.starts_with(&openexr::MAGIC) {
+        let problem = "is neither a Radiance HDR nor an OpenEXR image";
+        return Err(DecodeError::Content(problem.to_owned()));
+    }
+    let file = openexr::File::open(std::io::Cursor::new(bytes), bytes.len() as u64)?;
     let (width, height) = (file.width, file.height);
     if file.is_cube {
         let problem = "holds the six sides of a cube, which cannot be read as an environment";
@@ -137,6 +134,11 @@ fn decode_exr(bytes: &[u8], memory: &mut Share) -> Result<Texels, DecodeError> {
     let mut pictures = file.read(&[layer], memory)?;
     let texels = pictures.pop().unwrap_or(StoredRadiances::Float(Vec::new()));
     Ok((width, height, texels))
+}
+
+#[cfg(not(feature = "pictures"))]
+fn decode_exr(_: &[u8], _: &mut Share) -> Result<Texels, DecodeError> {
+    Err(DecodeError::NoDecoder)
 }
 
 /// Checks the sides, and pays for the density.

@@ -8,6 +8,7 @@ use std::fmt::{self, Display, Formatter};
 
 use thiserror::Error;
 
+use crate::decode::DecodeError;
 use crate::memory::{REMEDY, Shortage};
 
 /// Advice for files that contradict themselves.
@@ -71,6 +72,23 @@ impl Fault {
     pub(super) fn short(field: impl Into<String>, name: &str, shortage: Shortage) -> Self {
         let space = if name.is_empty() { "" } else { " " };
         Self::new(field, format!("{name}{space}{shortage}"), REMEDY)
+    }
+
+    /// What could not be decoded; `name` says what, as of [`Self::short`], and `remedy` what to do
+    /// about its content.
+    pub(super) fn undecoded(
+        field: impl Into<String>,
+        name: &str,
+        error: DecodeError,
+        remedy: &str,
+    ) -> Self {
+        let space = if name.is_empty() { "" } else { " " };
+        let remedy = match error {
+            DecodeError::Memory(shortage) => return Self::short(field, name, shortage),
+            DecodeError::Content(_) => remedy,
+            DecodeError::NoDecoder => "build it with that feature",
+        };
+        Self::new(field, format!("{name}{space}{error}"), remedy)
     }
 
     /// Adds the file's name.

@@ -129,7 +129,8 @@ mod tests {
     #[test]
     fn what_changes_the_picture_is_told_in_a_line_each() {
         let told = warnings(
-            r#"{"extensionsUsed":["KHR_materials_clearcoat","KHR_materials_ior","KHR_xmp_json_ld","ACME_glitter"],
+            r#"{"extensionsUsed":["KHR_materials_clearcoat","KHR_materials_ior",
+                    "KHR_xmp_json_ld","ACME_glitter"],
                 "materials":[{"extensions":{"KHR_materials_clearcoat":{},
                     "KHR_materials_sheen":{"sheenColorTexture":{"index":0,
                         "extensions":{"KHR_texture_transform":{},"ACME_twist":{}}}}}}]}"#,

@@ -373,7 +373,8 @@ fn mend_directions(mesh: &mut MeshDescription, notes: &mut Notes) {
         let n_broken = normals.iter().filter(|n| !is_direction(**n)).count();
         if n_broken > 0 {
             notes.warn(format!(
-                "mesh {}: {n_broken} of {} normals are zero or not finite; those of the triangles stand in",
+                "mesh {}: {n_broken} of {} normals are zero or not finite; those of the triangles \
+                 stand in",
                 quoted(&mesh.name),
                 normals.len()
             ));

@@ -56,7 +56,6 @@ use self::json::Document;
 use self::source::Source;
 use super::OpeningProgress;
 use super::description::{EnvironmentDescription, SceneDescription};
-use crate::decode::DecodeError;
 use crate::memory::Share;
 
 pub use self::error::LoadError;
@@ -161,11 +160,6 @@ fn read_named_file(
     remedy: &str,
     memory: &mut Share,
 ) -> Result<Vec<u8>, LoadError> {
-    source::read_regular_file(path, source::LARGEST_FILE, memory).map_err(|error| {
-        let fault = match error {
-            DecodeError::Content(problem) => Fault::new("", problem, remedy),
-            DecodeError::Memory(shortage) => Fault::short("", "", shortage),
-        };
-        fault.in_file(name)
-    })
+    source::read_regular_file(path, source::LARGEST_FILE, memory)
+        .map_err(|error| Fault::undecoded("", "", error, remedy).in_file(name))
 }

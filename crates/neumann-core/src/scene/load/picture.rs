@@ -3,7 +3,7 @@
 //! Only images that a used material refers to are fetched and decoded. A
 //! missing or broken image costs its textures and a warning, not the scene;
 //! one for which there is no memory costs the scene, since its picture would
-//! otherwise depend on the machine.
+//! otherwise depend on the machine; so does one for which there is no decoder.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -93,8 +93,14 @@ pub(super) fn read(
                 "image {}: {problem}; its textures are left out",
                 quoted(&image_name(file, index)),
             )),
-            Err(DecodeError::Memory(shortage)) => {
-                return Err(too_large(file, index, "", &shortage));
+            Err(error) => {
+                let name = quoted(&image_name(file, index));
+                return Err(Fault::undecoded(
+                    format!("images[{index}]"),
+                    &name,
+                    error,
+                    "",
+                ));
             }
         }
     }

@@ -138,14 +138,8 @@ impl<'a> Source<'a> {
                 resolve(path)
                     .ok_or_else(|| unreadable(field, &format!("{} does not exist", quoted(path))))?
             }
-            Place::Folder(_) => {
-                read_regular_file(&key, left, &mut self.memory).map_err(|error| match error {
-                    DecodeError::Content(problem) => {
-                        unreadable(field, &format!("{} {problem}", quoted(path)))
-                    }
-                    DecodeError::Memory(shortage) => Fault::short(field, &quoted(path), shortage),
-                })?
-            }
+            Place::Folder(_) => read_regular_file(&key, left, &mut self.memory)
+                .map_err(|error| Fault::undecoded(field, &quoted(path), error, UNREADABLE))?,
         };
         self.n_bytes += bytes.len() as u64;
         self.hash = fnv1a(self.hash, &bytes);
@@ -284,12 +278,11 @@ fn hidden(path: &str, field: &str) -> Fault {
 }
 
 fn unreadable(field: &str, problem: &str) -> Fault {
-    Fault::new(
-        field,
-        problem,
-        "check that the file is there and may be read",
-    )
+    Fault::new(field, problem, UNREADABLE)
 }
+
+/// Advice for files that cannot be read.
+const UNREADABLE: &str = "check that the file is there and may be read";
 
 const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::{LoadError, environment_from_bytes, load_bytes};
 use crate::radiometry::Rgb;
-use crate::scene::description::{EnvironmentDescription, Lens, Projection, SceneDescription};
+use crate::scene::description::{Lens, Projection, SceneDescription};
 
 /// A glTF file under construction, with one buffer.
 #[derive(Clone, Debug)]
@@ -261,6 +261,7 @@ fn meshes_are_shared_and_instanced() {
     assert_eq!(corner, Vec3::new(-1.0, 0.0, 2.0));
 }
 
+#[cfg(feature = "pictures")]
 #[test]
 fn broken_images_cost_a_warning() {
     let mut builder = square();
@@ -284,8 +285,8 @@ fn broken_images_cost_a_warning() {
     assert_eq!(error.field, "materials[0].normalTexture.index");
 }
 
-#[test]
-fn textures_find_their_images_and_coordinates() {
+/// A square that shines as a tiny PNG says.
+fn textured_square() -> Builder {
     let mut png = std::io::Cursor::new(Vec::new());
     image::RgbaImage::from_pixel(2, 1, image::Rgba([1, 2, 3, 4]))
         .write_to(&mut png, image::ImageFormat::Png)
@@ -296,7 +297,30 @@ fn textures_find_their_images_and_coordinates() {
     builder.json["textures"] = json!([{"source": 1}]);
     builder.json["materials"] = json!([{"emissiveTexture": {"index": 0, "texCoord": 1}}]);
     builder.primitive()["material"] = json!(0);
-    let scene = builder.load().unwrap();
+    builder
+}
+
+#[cfg(not(feature = "pictures"))]
+#[test]
+fn pictures_need_their_feature() {
+    let errors = [
+        textured_square().load().unwrap_err(),
+        environment_from_bytes("sky.exr", &exr()).unwrap_err(),
+    ];
+    for error in errors {
+        assert!(
+            error.to_string().contains("lacks the feature `pictures`"),
+            "{error}"
+        );
+    }
+    assert!(square().load().is_ok());
+    assert!(environment_from_bytes("sky.hdr", &hdr()).is_ok());
+}
+
+#[cfg(feature = "pictures")]
+#[test]
+fn textures_find_their_images_and_coordinates() {
+    let scene = textured_square().load().unwrap();
     let texture = scene.materials[0].emission_texture.unwrap();
     assert_eq!((texture.image, texture.uv_set), (0, 1));
     assert_eq!(scene.images[0].name, "tiny");
@@ -405,11 +429,10 @@ pub(super) fn exr() -> Vec<u8> {
     bytes.into_inner()
 }
 
+#[cfg(feature = "pictures")]
 #[test]
 fn environment_maps_of_both_formats() {
-    let load = |bytes: &[u8]| -> EnvironmentDescription {
-        environment_from_bytes("sky", bytes).unwrap().environment
-    };
+    let load = |bytes: &[u8]| environment_from_bytes("sky", bytes).unwrap().environment;
     let map = load(&hdr());
     assert_eq!((map.width, map.height), (2, 1));
     let texels: Vec<Rgb> = map.texels.iter().collect();

@@ -50,7 +50,8 @@ pub(super) fn read(
     }
     if uv_set >= MOST_UV_SETS {
         notes.warn(format!(
-            "{owner}: {} reads TEXCOORD_{uv_set}, beyond the {MOST_UV_SETS} sets that are read; the texture is left out",
+            "{owner}: {} reads TEXCOORD_{uv_set}, beyond the {MOST_UV_SETS} sets that are read; \
+             the texture is left out",
             info.at()
         ));
         return Ok(None);

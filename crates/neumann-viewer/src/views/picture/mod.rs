@@ -162,8 +162,8 @@ pub(super) fn fill_around(ui: &Ui, rect: Rect, covered: Rect, color: Color32) {
     }
 }
 
-/// Size at which the film stands on the screen: what was asked for, or, while the
-/// picture is of something older, its own.
+/// Size at which the film stands on the screen: what was asked for, or, while the picture is of
+/// something older, its own.
 fn shown_size(session: &Session) -> (usize, usize) {
     if session.is_current()
         && session.setup.size != (0, 0)

@@ -28,7 +28,8 @@ pub fn description(strategy: Strategy) -> String {
             format!("a light subpath of {s} vertices connected to a camera subpath of {t}")
         }
         (Joint::Merge, ..) => format!(
-            "a light subpath of {s} vertices and a camera subpath of {t}, their nearby ends taken for one point"
+            "a light subpath of {s} vertices and a camera subpath of {t}, their nearby ends taken \
+             for one point"
         ),
     }
 }

@@ -10,11 +10,11 @@ use crate::integrator::lanes::{DirectionNumbers, PathLanes, Unseen};
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
 use crate::pass::{PixelPath, PixelPlace, PixelSink, Pixels, Splits};
 use crate::sampling::Sampler;
-use crate::scene::Caster;
+use crate::scene::SpecularCaster;
 use crate::transport::Tracer;
-use crate::transport::casters::ConeLanes;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
 use crate::transport::reflection::Aimed;
+use crate::transport::specular_casters::ConeLanes;
 
 use super::walk::{Carried, CarriedLanes, Path, PathTracer};
 use crate::integrator::path_tracing::bsdf::MODE;
@@ -236,8 +236,8 @@ impl<'a> Step<'a> {
 
         // Is the light seen?
         aim(vertices, events, paths);
-        if !walk.casters.is_empty() {
-            events.weigh_beside_casters(walk.casters, vertices);
+        if !walk.specular_casters.is_empty() {
+            events.weigh_beside_cones(walk.specular_casters, vertices);
         }
         for seen in events.light.see(together, tracer) {
             let bounce = paths.common.bounces.get(seen.lane) + 1;
@@ -246,12 +246,12 @@ impl<'a> Step<'a> {
         }
 
         // On to the next vertices.
-        if !walk.casters.is_empty() {
+        if !walk.specular_casters.is_empty() {
             events.cones.choose(&mut events.numbers.bsdf);
         }
         vertices.sample(&events.numbers.bsdf, MODE, &mut events.samples);
-        if !walk.casters.is_empty() {
-            events.sample_casters(vertices);
+        if !walk.specular_casters.is_empty() {
+            events.sample_cones(vertices);
         }
         leave(vertices, events, paths, together, walk);
         for lane in lanes_of(together) {
@@ -263,8 +263,8 @@ impl<'a> Step<'a> {
 }
 
 impl StepLanes {
-    /// MIS weights where some directions are drawn towards casters.
-    fn weigh_beside_casters(&mut self, casters: &[Caster], vertices: &DiffuseVertices<'_>) {
+    /// MIS weights where some directions are drawn towards specular casters.
+    fn weigh_beside_cones(&mut self, casters: &[SpecularCaster], vertices: &DiffuseVertices<'_>) {
         self.cones.see(casters, vertices);
         let weights = self.light.mis_weights();
         self.cones
@@ -272,7 +272,7 @@ impl StepLanes {
     }
 
     /// Draws these directions.
-    fn sample_casters(&mut self, vertices: &DiffuseVertices<'_>) {
+    fn sample_cones(&mut self, vertices: &DiffuseVertices<'_>) {
         let u = &self.numbers.bsdf;
         self.cones.sample(vertices, u, MODE, &mut self.samples);
     }
@@ -301,7 +301,13 @@ vectorized! {
 
 vectorized! {
     /// Leaves the vertices along the directions that were drawn.
-    fn leave(vertices: &DiffuseVertices<'_>, events: &mut StepLanes, paths: &mut Paths<'_>, together: u32, walk: &PathTracer<'_>) {
+    fn leave(
+        vertices: &DiffuseVertices<'_>,
+        events: &mut StepLanes,
+        paths: &mut Paths<'_>,
+        together: u32,
+        walk: &PathTracer<'_>,
+    ) {
         for lane in 0..LANES {
             let is_together = together >> lane & 1 != 0;
             let samples = &events.samples;

@@ -3,9 +3,10 @@
 //! The last one plus one idea: light is both aimed at and run into, and each way is weighed by how
 //! well it samples the direction, `w_i = p_i² / (p_1² + p_2²)` ([Veach 1997] 9.2.3.2). A sky of one
 //! radiance is not aimed at: the BSDF samples it as it counts. Where there are mirrors or glass, a
-//! diffuse surface sends them some of its paths ([`crate::transport::casters`]). Where such a sky
-//! is the only light, a path splits in two at its first surface: nearly all of the error is in what
-//! of the sky is seen from there. Long paths end by Russian roulette on their throughput.
+//! diffuse surface sends them some of its paths ([`crate::transport::specular_casters`]). Where
+//! such a sky is the only light, a path splits in two at its first surface: nearly all of the error
+//! is in what of the sky is seen from there. Long paths end by Russian roulette on their
+//! throughput.
 //!
 //! `PathTracer::step` is the method. `lanes` takes sixteen paths through it side by side, which
 //! changes no bit.
@@ -47,7 +48,7 @@ pub static METHOD: Method = Method {
             kind: ParameterKind::Switch { default: true },
         },
         LIGHTS,
-        CASTERS,
+        SPECULAR_CASTERS,
         ADAPTIVE,
     ],
     build: |values: &ParameterValues| {
@@ -57,14 +58,14 @@ pub static METHOD: Method = Method {
                 choice => choice,
             },
             has_roulette: values.switch("roulette"),
-            has_casters: values.switch(CASTERS.name),
+            aims_at_specular_casters: values.switch(SPECULAR_CASTERS.name),
             is_adaptive: values.switch(ADAPTIVE.name),
         }))
     },
 };
 
 /// Whether paths are sent to mirrors and glass.
-const CASTERS: Parameter = Parameter {
+const SPECULAR_CASTERS: Parameter = Parameter {
     name: "casters",
     title: "Aim at mirrors and glass",
     unit: "",
@@ -76,7 +77,7 @@ const CASTERS: Parameter = Parameter {
 struct Mis {
     choice: LightChoice,
     has_roulette: bool,
-    has_casters: bool,
+    aims_at_specular_casters: bool,
     is_adaptive: bool,
 }
 
@@ -107,8 +108,8 @@ impl PixelIntegrator for Mis {
             splits: PathTracer::splits_in(scene),
             choice: self.choice,
             has_roulette: self.has_roulette,
-            casters: if self.has_casters {
-                scene.casters()
+            specular_casters: if self.aims_at_specular_casters {
+                scene.specular_casters()
             } else {
                 &[]
             },

@@ -10,9 +10,9 @@ use crate::pass::PixelSink;
 use crate::radiometry::Rgb;
 use crate::sampling::{Sampler, roulette};
 use crate::scene::bodies::Media;
-use crate::scene::{Caster, Scene};
-use crate::transport::casters::Cones;
+use crate::scene::{Scene, SpecularCaster};
 use crate::transport::reflection::{Drawn, aim_at_light, light_sample};
+use crate::transport::specular_casters::Cones;
 use crate::transport::{SurfaceVertex, Tracer, VertexSample};
 
 /// How paths walk.
@@ -22,7 +22,7 @@ pub(super) struct PathTracer<'a> {
     pub(super) choice: LightChoice,
     pub(super) has_roulette: bool,
     /// What diffuse surfaces send some of their paths to.
-    pub(super) casters: &'a [Caster],
+    pub(super) specular_casters: &'a [SpecularCaster],
     /// Whether paths split at their first surface.
     pub(super) splits: bool,
 }
@@ -155,7 +155,7 @@ impl PathTracer<'_> {
         let u = sampler.bounce(bounce);
 
         // Draw a direction from the BSDF, or towards a mirror or glass.
-        let cones = Cones::seen_from(vertex, self.casters);
+        let cones = Cones::seen_from(vertex, self.specular_casters);
         let sample = match &cones {
             Some(cones) => cones.sample(vertex, u.bsdf(), MODE),
             None => vertex.sample(u.bsdf(), MODE),

@@ -17,24 +17,28 @@ use crate::material::Material;
 
 /// Something mirror-like: a sphere about it, world space, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Caster {
+pub struct SpecularCaster {
     /// Its centre.
     pub center: Vec3,
     /// Its radius.
     pub radius: f32,
 }
 
-/// The radius of a caster, in units of the scene's own, is less than this.
+/// The radius of a specular caster, in units of the scene's own, is less than this.
 const LARGEST: f32 = 0.5;
 
-impl Caster {
+impl SpecularCaster {
     /// So many are kept of a scene, at most: the largest ones.
     pub const MAX: usize = 4;
 }
 
 /// The largest meshes that are mirrors or smooth glass all over, those aside that are nearly the
 /// scene itself, if there are lights that paths may meet by way of them.
-pub(super) fn casters(geometry: &Geometry, materials: &[Material], lights: &Lights) -> Vec<Caster> {
+pub(super) fn specular_casters(
+    geometry: &Geometry,
+    materials: &[Material],
+    lights: &Lights,
+) -> Vec<SpecularCaster> {
     // A sky of one radiance is found by whatever leaves the scene.
     let is_even = lights.uniform_environment().is_some();
     let can_be_missed = |light: &Light| match light {
@@ -49,7 +53,7 @@ pub(super) fn casters(geometry: &Geometry, materials: &[Material], lights: &Ligh
     let largest = LARGEST * 0.5 * geometry.min.distance(geometry.max);
     // One for all instances of a mesh.
     let mut spheres = HashMap::new();
-    let mut casters: Vec<Caster> = geometry
+    let mut casters: Vec<SpecularCaster> = geometry
         .meshes()
         .iter()
         .filter(|mesh| is_mirror_like(&materials[mesh.material as usize]))
@@ -62,7 +66,7 @@ pub(super) fn casters(geometry: &Geometry, materials: &[Material], lights: &Ligh
         .filter(|caster| caster.radius > 0.0 && caster.radius < largest)
         .collect();
     casters.sort_by(|a, b| b.radius.total_cmp(&a.radius));
-    casters.truncate(Caster::MAX);
+    casters.truncate(SpecularCaster::MAX);
     casters
 }
 
@@ -74,24 +78,24 @@ fn is_mirror_like(material: &Material) -> bool {
 }
 
 /// A sphere about the middle of a mesh's box.
-fn sphere_about(arrays: &MeshArrays) -> Caster {
+fn sphere_about(arrays: &MeshArrays) -> SpecularCaster {
     let positions = || arrays.positions.iter().copied();
     let min = positions().reduce(Vec3::min).unwrap_or_default();
     let max = positions().reduce(Vec3::max).unwrap_or_default();
     let center = 0.5 * (min + max);
     let radius = positions().map(|p| p.distance(center)).fold(0.0, f32::max);
-    Caster { center, radius }
+    SpecularCaster { center, radius }
 }
 
 /// The sphere about a mesh, where it stands in the world. A mesh that is sheared may stand out of
 /// it a little.
-fn placed(mesh: &PlacedMesh, sphere: &Caster) -> Caster {
+fn placed(mesh: &PlacedMesh, sphere: &SpecularCaster) -> SpecularCaster {
     let Some(placement) = &mesh.placement else {
         return *sphere;
     };
     let affine = placement.world_from_mesh;
     let axes = [0, 1, 2].map(|i| affine.matrix3.col(i).length());
-    Caster {
+    SpecularCaster {
         center: affine.transform_point3(sphere.center),
         radius: sphere.radius * axes.into_iter().fold(0.0, f32::max),
     }

@@ -1,11 +1,11 @@
 //! Directions towards mirrors and glass, beside those of the BSDF.
 //!
-//! A caustic is light that reached a diffuse surface by way of something mirror-like, its caster.
-//! The BSDF of the surface sends few paths there. So a share of them is drawn from the cones that
-//! casters fill, seen from the vertex, and the rest from the BSDF. Photons are sent to such things
-//! by projection maps (Jensen 2001, ch. 5); a mixture with the density that there was makes it safe
-//! ("defensive" sampling, Hesterberg 1995). The density of a direction is that of the mixture,
-//! whichever of the two has drawn it.
+//! A caustic is light that reached a diffuse surface by way of something mirror-like, its specular
+//! caster. The BSDF of the surface sends few paths there. So a share of them is drawn from the
+//! cones that specular casters fill, seen from the vertex, and the rest from the BSDF. Photons are
+//! sent to such things by projection maps (Jensen 2001, ch. 5); a mixture with the density that
+//! there was makes it safe ("defensive" sampling, Hesterberg 1995). The density of a direction is
+//! that of the mixture, whichever of the two has drawn it.
 
 use std::f32::consts::{FRAC_1_PI, TAU};
 
@@ -21,9 +21,9 @@ use crate::math::lanes::{LANES, Lanes, Vec3Lanes, select, side_by_side, vectoriz
 use crate::sampling::discrete::one_of_two;
 use crate::sampling::mis::power_heuristic;
 use crate::sampling::warp;
-use crate::scene::Caster;
+use crate::scene::SpecularCaster;
 
-/// The share of a vertex's paths that casters have between them, at most.
+/// The share of a vertex's paths that specular casters have between them, at most.
 const MAX_SHARE: f32 = 0.25;
 /// Density within a cone, in units of the largest that a diffuse surface has: at most this, so that
 /// what is small and far away does not draw more than it may be worth,
@@ -33,7 +33,7 @@ const MIN_DENSITY: f32 = 0.25 * FRAC_1_PI;
 /// Smaller cones are hard to tell from their axis in single precision.
 const MIN_HEIGHT: f32 = 1e-6;
 
-/// The cone that a caster fills, seen from a vertex.
+/// The cone that a specular caster fills, seen from a vertex.
 #[derive(Clone, Copy, Debug, Default)]
 struct Cone {
     /// Unit.
@@ -47,9 +47,9 @@ struct Cone {
 }
 
 impl Cone {
-    /// One of `n` casters seen from a vertex.
+    /// One of `n` specular casters seen from a vertex.
     #[inline(always)]
-    fn new(caster: &Caster, n: usize, from: &Receiver) -> Self {
+    fn new(caster: &SpecularCaster, n: usize, from: &Receiver) -> Self {
         let towards = caster.center - from.position;
         let squared = towards.length_squared();
         let sin2 = caster.radius * caster.radius / squared;
@@ -123,21 +123,21 @@ fn in_cone(axis: Vec3, height: f32, u: [f32; 2]) -> Vec3 {
     Frame::from_z(axis).world_from_local(Vec3::new(p.x * scale, p.y * scale, 1.0 - depth))
 }
 
-/// The casters seen from a vertex.
+/// The specular casters seen from a vertex.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cones {
-    cones: [Cone; Caster::MAX],
+    cones: [Cone; SpecularCaster::MAX],
     n: usize,
     /// All shares.
     share: f32,
 }
 
 impl Cones {
-    /// What a vertex sees of casters, up to [`Caster::MAX`]; `None` if there are none, or its BSDF
-    /// has no diffuse part.
+    /// What a vertex sees of specular casters, up to [`SpecularCaster::MAX`]; `None` if there are
+    /// none, or its BSDF has no diffuse part.
     #[inline]
     #[must_use]
-    pub fn seen_from(vertex: &SurfaceVertex<'_>, casters: &[Caster]) -> Option<Self> {
+    pub fn seen_from(vertex: &SurfaceVertex<'_>, casters: &[SpecularCaster]) -> Option<Self> {
         if casters.is_empty() || !vertex.bsdf.has_density() || vertex.bsdf.roughness() < 1.0 {
             return None;
         }
@@ -212,10 +212,10 @@ impl Cones {
     }
 }
 
-/// The casters seen from the vertices of all lanes.
+/// The specular casters seen from the vertices of all lanes.
 #[derive(Default)]
 pub(crate) struct ConeLanes {
-    cones: [OneConeLanes; Caster::MAX],
+    cones: [OneConeLanes; SpecularCaster::MAX],
     n: usize,
     share: Lanes<f32>,
     choice: ChoiceLanes,
@@ -237,11 +237,12 @@ side_by_side! {
 
 impl ConeLanes {
     /// [`Cones::seen_from`], from diffuse vertices.
-    pub(crate) fn see(&mut self, casters: &[Caster], vertices: &DiffuseVertices<'_>) {
+    pub(crate) fn see(&mut self, casters: &[SpecularCaster], vertices: &DiffuseVertices<'_>) {
         see(self, casters, vertices);
     }
 
-    /// [`Cones::beside`]: MIS weights of light that was aimed at along `wi`, with the densities of light and BSDF.
+    /// [`Cones::beside`]: MIS weights of light that was aimed at along `wi`, with the densities of
+    /// light and BSDF.
     pub(crate) fn weigh(
         &mut self,
         wi: &Vec3Lanes,
@@ -271,7 +272,7 @@ impl ConeLanes {
 }
 
 vectorized! {
-    fn see(seen: &mut ConeLanes, casters: &[Caster], vertices: &DiffuseVertices<'_>) {
+    fn see(seen: &mut ConeLanes, casters: &[SpecularCaster], vertices: &DiffuseVertices<'_>) {
         let ConeLanes { cones, n, share, .. } = seen;
         *n = casters.len();
         *share = Lanes::default();
@@ -285,7 +286,7 @@ vectorized! {
 fn see_one(
     cones: &mut OneConeLanes,
     share: &mut Lanes<f32>,
-    caster: Caster,
+    caster: SpecularCaster,
     n: usize,
     vertices: &DiffuseVertices<'_>,
 ) {
@@ -297,7 +298,13 @@ fn see_one(
 }
 
 vectorized! {
-    fn weigh(seen: &mut ConeLanes, wi: &Vec3Lanes, pdf_w_light: &Lanes<f32>, pdf_w_bsdf: &Lanes<f32>, weights: &mut Lanes<f32>) {
+    fn weigh(
+        seen: &mut ConeLanes,
+        wi: &Vec3Lanes,
+        pdf_w_light: &Lanes<f32>,
+        pdf_w_bsdf: &Lanes<f32>,
+        weights: &mut Lanes<f32>,
+    ) {
         mix(seen, wi, pdf_w_bsdf);
         for lane in 0..LANES {
             let is_found = pdf_w_bsdf.get(lane) > 0.0;
@@ -327,7 +334,13 @@ vectorized! {
 }
 
 vectorized! {
-    fn sample(seen: &mut ConeLanes, vertices: &DiffuseVertices<'_>, u: &[Lanes<f32>; 3], mode: TransportMode, samples: &mut DiffuseSamples) {
+    fn sample(
+        seen: &mut ConeLanes,
+        vertices: &DiffuseVertices<'_>,
+        u: &[Lanes<f32>; 3],
+        mode: TransportMode,
+        samples: &mut DiffuseSamples,
+    ) {
         for lane in 0..LANES {
             let wi = seen.choice.get(lane).direction(u[1].get(lane));
             let vertex = vertices.vertex(lane);

@@ -12,9 +12,9 @@ use neumann_core::render::{CancelToken, Renderer};
 use neumann_core::scene::description::{
     EnvironmentDescription, MaterialDescription, MeshDescription,
 };
-use neumann_core::scene::{Caster, Scene};
+use neumann_core::scene::{Scene, SpecularCaster};
 use neumann_core::transport::Tracer;
-use neumann_core::transport::casters::Cones;
+use neumann_core::transport::specular_casters::Cones;
 use neumann_tests::cells::SphereCells;
 use neumann_tests::random::Random;
 use neumann_tests::renders::{Block, Setup, pool};
@@ -60,19 +60,19 @@ fn ball_at(center: Vec3, radius: f32) -> MeshDescription {
     mesh
 }
 
-fn setup(scene: &Arc<Scene>, has_casters: bool) -> Setup {
+fn setup(scene: &Arc<Scene>, aims_at_specular_casters: bool) -> Setup {
     let method = method("pt-mis").expect("a method of the registry");
     let mut setup = Setup::new(scene, 48, 32).by(method).up_to(4);
     setup
         .settings
         .values
-        .put("casters", Value::Switch(has_casters));
+        .put("casters", Value::Switch(aims_at_specular_casters));
     setup
 }
 
 #[test]
 fn directions_are_drawn_with_their_density() {
-    let caster = |x, y, z, radius| Caster {
+    let caster = |x, y, z, radius| SpecularCaster {
         center: Vec3::new(x, y, z),
         radius,
     };
@@ -146,8 +146,10 @@ fn still_life() -> Arc<Scene> {
 #[test]
 fn paths_sent_to_mirrors_and_glass_tend_to_the_same() {
     let scene = still_life();
-    assert_eq!(scene.casters().len(), 2);
-    let batches = |has_casters, stream| setup(&scene, has_casters).batches(64, 48, stream);
+    assert_eq!(scene.specular_casters().len(), 2);
+    let batches = |aims_at_specular_casters, stream| {
+        setup(&scene, aims_at_specular_casters).batches(64, 48, stream)
+    };
     let (found, expected) = (batches(true, 80), batches(false, 81));
     assert_eq!(found.n_refused(), 0);
     let mut family = Family::default();
@@ -175,8 +177,8 @@ fn caustics_have_less_error_for_the_same_rays() {
     stage.add("glass", ball_at(Vec3::new(0.0, 2.0, 0.0), 0.5), glass());
     stage.description.cameras = vec![above_square(2.0, 10.0)];
     let scene = stage.scene();
-    let work = |has_casters| {
-        let setup = setup(&scene, has_casters);
+    let work = |aims_at_specular_casters| {
+        let setup = setup(&scene, aims_at_specular_casters);
         let mut renderer = Renderer::new(Arc::clone(&scene), setup.settings.clone(), pool(), 0);
         let n_rays: u64 = (0..16)
             .map(|_| renderer.iterate(&CancelToken::default()).unwrap().n_rays())
@@ -188,7 +190,7 @@ fn caustics_have_less_error_for_the_same_rays() {
 }
 
 #[test]
-fn only_what_may_cast_caustics_of_some_light_is_a_caster() {
+fn only_what_may_cast_caustics_of_some_light_is_a_specular_caster() {
     let scene = |material: MaterialDescription, has_lamp: bool| {
         let mut stage = Stage::default();
         stage.add(
@@ -216,12 +218,16 @@ fn only_what_may_cast_caustics_of_some_light_is_a_caster() {
         stage.scene()
     };
     let with_lamp = scene(glass(), true);
-    let radii: Vec<f32> = with_lamp.casters().iter().map(|c| c.radius).collect();
-    assert_eq!(radii.len(), Caster::MAX);
+    let radii: Vec<f32> = with_lamp
+        .specular_casters()
+        .iter()
+        .map(|c| c.radius)
+        .collect();
+    assert_eq!(radii.len(), SpecularCaster::MAX);
     for (radius, expected) in radii.iter().zip([0.6, 0.5, 0.4, 0.3]) {
         assert!((radius - expected).abs() < 1e-5, "{radii:?}");
     }
     // A sky of one radiance is found by whatever leaves the scene.
-    assert!(scene(glass(), false).casters().is_empty());
-    assert!(scene(plastic(0.5), true).casters().is_empty());
+    assert!(scene(glass(), false).specular_casters().is_empty());
+    assert!(scene(plastic(0.5), true).specular_casters().is_empty());
 }

@@ -3,7 +3,7 @@
 //! `world_from_camera` is rebuilt from these; until the camera has been moved the file's own matrix
 //! stays as it is, roll and all. Angles in radians, lengths in metres.
 
-use glam::{Mat3, Mat4, Quat, Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use neumann_core::scene::description::{CameraDescription, Lens, Projection};
 
 /// The camera under the user's hand.
@@ -251,9 +251,8 @@ impl CameraControl {
     }
 
     fn rebuild(&mut self) {
-        let (right, forward) = (self.right(), self.forward());
-        let axes = Mat3::from_cols(right, right.cross(forward), -forward);
-        self.camera.world_from_camera = Mat4::from_translation(self.eye) * Mat4::from_mat3(axes);
+        self.camera.world_from_camera =
+            CameraDescription::looking_at(self.eye, self.target, self.up);
     }
 }
 

@@ -12,6 +12,7 @@
 pub mod app;
 pub mod blind_spots;
 pub mod camera_control;
+pub mod command_line;
 pub mod display;
 pub mod filmstrip;
 pub mod flight;

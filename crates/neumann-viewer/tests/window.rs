@@ -21,6 +21,7 @@ use neumann_core::scene::description::{
 use neumann_picture::photons::PhotonColours;
 use neumann_viewer::ViewOptions;
 use neumann_viewer::app::App;
+use neumann_viewer::command_line;
 use neumann_viewer::panels::Page;
 use neumann_viewer::setup::FilmSize;
 use neumann_viewer::views::photons::PhotonView;
@@ -248,6 +249,60 @@ fn tab_hides_the_panels_and_f6_gives_them_the_keyboard() {
     );
     press(&mut harness, Key::Escape);
     assert!(harness.ctx.memory(|m| m.focused()).is_none());
+}
+
+/// The command has the camera to the bit, and what differs from the defaults.
+#[test]
+fn the_window_can_be_copied_as_a_command() {
+    let mut harness = harness([1280.0, 720.0]);
+    let copied = |harness: &Harness<'_, App>| {
+        let state = harness.state();
+        command_line::of(&state.session, &state.viewing.settings).unwrap()
+    };
+    let command = copied(&harness);
+    assert_eq!(
+        command.text,
+        "neumann render furnace --integrator pt-mis --size 96x96 --max-bounces 16 --layers 8 \
+         --seed 0 --camera 0 --iterations 64 --exposure 0 --tone none -o furnace-pt-mis.exr \
+         -o furnace-pt-mis.png"
+    );
+    assert!(command.leaves_out.is_empty());
+
+    let setup = &mut harness.state_mut().session.setup;
+    let control = setup.camera.as_mut().unwrap();
+    control.orbit(glam::Vec2::new(0.3, -0.2));
+    control.fly(Vec3::new(0.1, 0.2, 0.3));
+    control.set_fov(0.8);
+    let camera = control.camera().clone();
+    click(&mut harness, "Russian roulette");
+    let text = copied(&harness).text;
+    assert!(text.contains(" --set roulette=off "), "{text}");
+    let after = |option: &str| {
+        let words = text.split([' ', '=']);
+        let value = words.skip_while(|word| *word != option).nth(1);
+        value.unwrap_or_else(|| panic!("{option} in {text}"))
+    };
+    let place = |option: &str| {
+        let numbers = after(option)
+            .split(',')
+            .map(|number| number.parse().unwrap());
+        Vec3::from_slice(&numbers.collect::<Vec<f32>>())
+    };
+    let matrix = CameraDescription::looking_at(place("--eye"), place("--target"), place("--up"));
+    assert_eq!(matrix, camera.world_from_camera);
+    let fov: f32 = after("--fov").parse().unwrap();
+    assert_eq!(
+        neumann_core::scene::description::Projection::Perspective {
+            yfov: fov.to_radians()
+        },
+        camera.projection
+    );
+
+    // It is copied by its key.
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::L);
+    harness.run_steps(2);
+    let notices: Vec<_> = harness.state().shell.notices.texts().collect();
+    assert_eq!(notices, ["Copied the command"]);
 }
 
 /// A film that is worth something keeps its size, whatever becomes of the window; it gets another

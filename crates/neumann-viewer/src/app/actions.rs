@@ -6,6 +6,7 @@ use neumann_core::integrator::METHODS;
 use neumann_picture::tone::ToneCurve;
 
 use super::App;
+use crate::command_line;
 use crate::display::image_area;
 use crate::keys::Action;
 use crate::panels::Page;
@@ -56,6 +57,7 @@ impl App {
                 save::sheet(&self.session, &self.viewing.settings, &mut self.shell);
             }
             Action::Copy => save::copy(ctx, &self.session, &self.viewing, &mut self.shell),
+            Action::CopyCommand => self.copy_command(ctx),
             Action::Panels => self.shell.is_bare = !self.shell.is_bare,
             Action::Panel(i) => {
                 self.shell.is_bare = false;
@@ -72,6 +74,22 @@ impl App {
             Action::Escape => self.escape(ctx),
             Action::Quit => self.shell.requests.push(WindowRequest::Quit),
             _ => self.change_display(action),
+        }
+    }
+
+    /// Copies the command that renders what is shown; says what it leaves out.
+    fn copy_command(&mut self, ctx: &Context) {
+        let notices = &mut self.shell.notices;
+        match command_line::of(&self.session, &self.viewing.settings) {
+            Some(command) => {
+                ctx.copy_text(command.text);
+                let mut text = "Copied the command".to_owned();
+                for what in command.leaves_out {
+                    text.push_str(&format!("; it leaves out {what}, which a state has"));
+                }
+                notices.remark(ctx, text);
+            }
+            None => notices.failure("There is no scene yet to render by a command"),
         }
     }
 

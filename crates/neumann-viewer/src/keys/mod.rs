@@ -72,6 +72,8 @@ pub enum Action {
     SaveSheet,
     /// Copy the picture.
     Copy,
+    /// Copy the command that renders the same.
+    CopyCommand,
     /// Show or hide the panels.
     Panels,
     /// Show a panel.

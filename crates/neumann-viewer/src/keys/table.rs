@@ -252,6 +252,12 @@ pub static HELP: &[HelpLine] = &[
         &[on(CTRL, Key::C, Action::Copy)],
     ),
     line(
+        FILES,
+        "Ctrl Shift L",
+        "copy as a command line",
+        &[on(CTRL.plus(SHIFT), Key::L, Action::CopyCommand)],
+    ),
+    line(
         WINDOW,
         "Tab",
         "show or hide the panels",

@@ -69,6 +69,9 @@ pub struct LensHit {
 
 impl Camera {
     /// A camera for a film of `width × height` pixels.
+    ///
+    /// A perspective camera keeps its vertical angle of view. The view of an orthographic one is
+    /// cropped to the shape of the film: a wider film shows the whole width of the view.
     #[must_use]
     pub fn new(description: &CameraDescription, width: usize, height: usize) -> Self {
         let m = description.world_from_camera;
@@ -81,7 +84,12 @@ impl Camera {
         let (w, h) = (width as f32, height as f32);
         let half_height = match description.projection {
             Projection::Perspective { yfov } => (0.5 * yfov).tan(),
-            Projection::Orthographic { ymag } => ymag.abs(),
+            Projection::Orthographic { ymag } => {
+                let view = description
+                    .aspect_ratio
+                    .filter(|a| a.is_finite() && *a > 0.0);
+                ymag.abs() * view.map_or(1.0, |view| (view * h / w).min(1.0))
+            }
         };
         let half = Vec2::new(half_height * w / h, half_height);
         let lens = description
@@ -402,6 +410,27 @@ mod tests {
             lens,
         };
         Camera::new(&description, 64, 48)
+    }
+
+    #[test]
+    fn a_film_of_another_shape_crops_an_orthographic_view() {
+        let extent = |width, height| {
+            let description = CameraDescription {
+                name: String::new(),
+                world_from_camera: Mat4::IDENTITY,
+                aspect_ratio: Some(2.0),
+                projection: Projection::Orthographic { ymag: 3.0 },
+                lens: None,
+            };
+            let camera = Camera::new(&description, width, height);
+            let origin = |x, y| camera.ray(Vec2::new(x, y), [0.5, 0.5]).ray.origin();
+            let corners = [origin(0.0, 0.0), origin(width as f32, height as f32)];
+            let size = (corners[1] - corners[0]).abs();
+            [size.x, size.y]
+        };
+        assert_eq!(extent(40, 20), [12.0, 6.0], "its own shape");
+        assert_eq!(extent(64, 16), [12.0, 3.0], "wider: all of the width");
+        assert_eq!(extent(20, 20), [6.0, 6.0], "narrower: all of the height");
     }
 
     #[test]

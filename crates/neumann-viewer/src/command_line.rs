@@ -22,8 +22,8 @@ pub struct CommandLine {
 
 /// The command for what is rendered now; `None` while there is no scene.
 ///
-/// Numbers have all their digits; angles are as exact as degrees in single precision. It ends where the
-/// window does, or else after as many iterations as are there.
+/// Numbers have all their digits; angles are as exact as degrees in single precision. It ends
+/// where the window does, or else after as many iterations as are there.
 #[must_use]
 pub fn of(session: &Session, settings: &ViewSettings) -> Option<CommandLine> {
     let setup = &session.setup;

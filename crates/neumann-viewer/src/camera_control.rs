@@ -84,17 +84,19 @@ impl CameraControl {
         self.adopt();
     }
 
-    /// Puts a camera in its place that was moved before, with what it orbits and what is up for it;
-    /// [`Self::reset`] goes where it did.
-    pub fn put(&mut self, camera: CameraDescription, target: Vec3, up: Vec3) {
-        self.eye = camera.world_from_camera.w_axis.truncate();
+    /// Puts a camera in its place that was moved before, with what it orbits and what is up for it,
+    /// if that is known; [`Self::reset`] goes where it did.
+    pub fn put(&mut self, camera: CameraDescription, target: Option<Vec3>, up: Option<Vec3>) {
         self.camera = camera;
-        self.target = target;
-        self.up = if up.is_normalized() {
-            up
-        } else {
-            up.normalize_or(Vec3::Y)
-        };
+        self.adopt();
+        self.target = target.unwrap_or(self.target);
+        if let Some(up) = up {
+            self.up = if up.is_normalized() {
+                up
+            } else {
+                up.normalize_or(Vec3::Y)
+            };
+        }
     }
 
     /// Goes back to the camera that was taken over last.

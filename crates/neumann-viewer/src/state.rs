@@ -1,20 +1,17 @@
 //! Between the window and a [`State`]: what is written of it, and how it is taken up again.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::StopRule;
-use neumann_core::scene::builtin::builtin;
-use neumann_core::scene::description::{CameraDescription, Lens, MaterialDescription, Projection};
+use neumann_core::scene::description::MaterialDescription;
 use neumann_core::scene::{Appearance, Level, SkyChoice};
 use neumann_picture::state::{
-    CameraState, Edits, EnvironmentState, Exact, ExposureState, FalseColourState, LensState,
-    LevelEdit, Magnified, MaterialEdit, ProjectionState, State, Stop,
+    CameraState, Edits, EnvironmentState, Exact, ExposureState, FalseColourState, LevelEdit,
+    Magnified, MaterialEdit, State, Stop,
 };
 
-use crate::camera_control::CameraControl;
 use crate::display::ViewSettings;
 use crate::session::Session;
 use crate::setup::{FilmSize, OpenScene, Setup};
@@ -26,22 +23,15 @@ pub fn of(session: &Session, viewing: &Viewing) -> Option<State> {
     let setup = &session.setup;
     let (open, control) = (setup.open.as_ref()?, setup.camera.as_ref()?);
     let settings = &viewing.settings;
-    let method = setup.method();
-    let values = &setup.values[setup.method];
-    let parameters = method.parameters.iter().map(|parameter| {
-        let value = values.value(parameter.name);
-        let value = value.unwrap_or_else(|| parameter.default_value());
-        (parameter.name.to_owned(), parameter.format(value))
-    });
     let appearance = open.scene.appearance();
+    let render = State::of_render(&open.source, &setup.settings()?);
     Some(State {
-        scene: place_of(&open.source),
-        camera: Some(camera(open.camera, control)),
-        method: method.id.to_owned(),
-        parameters: parameters.collect(),
-        max_bounces: setup.max_bounces,
-        layers: setup.n_layers,
-        seed: setup.seed,
+        camera: Some(CameraState {
+            of_file: open.camera,
+            target: Some(Exact::all(control.target().to_array())),
+            up: Some(Exact::all(control.up().to_array())),
+            ..CameraState::of(control.camera())
+        }),
         size: match setup.film_size {
             FilmSize::Window => None,
             FilmSize::Locked => Some(setup.size.into()),
@@ -68,10 +58,14 @@ pub fn of(session: &Session, viewing: &Viewing) -> Option<State> {
             zoom: Exact(zoom),
             center: Exact::all(settings.center),
         }),
-        environment: environment(setup.sky.as_ref(), appearance),
+        environment: EnvironmentState {
+            is_on: appearance.environment_level.is_on,
+            brightness: Exact(appearance.environment_level.brightness),
+            ..EnvironmentState::of(setup.sky.as_ref(), appearance.environment.as_deref())
+        },
         backs: appearance.backs.name().to_owned(),
         edits: edits(open),
-        ..State::default()
+        ..render
     })
 }
 
@@ -119,60 +113,14 @@ pub fn take_environment(state: &EnvironmentState, appearance: &mut Appearance) {
     }
 }
 
-/// A name that means the same from every folder.
-fn place_of(source: &str) -> String {
-    if builtin(source).is_some() {
-        return source.to_owned();
-    }
-    absolute(Path::new(source))
-}
-
-fn absolute(path: &Path) -> String {
-    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    path.display().to_string()
-}
-
-fn camera(of_file: usize, control: &CameraControl) -> CameraState {
-    let camera = control.camera();
-    CameraState {
-        of_file,
-        world_from_camera: Exact::all(camera.world_from_camera.to_cols_array()),
-        aspect_ratio: camera.aspect_ratio.map(Exact),
-        projection: match camera.projection {
-            Projection::Perspective { yfov } => ProjectionState::Perspective { yfov: Exact(yfov) },
-            Projection::Orthographic { ymag } => {
-                ProjectionState::Orthographic { ymag: Exact(ymag) }
-            }
-        },
-        lens: camera.lens.map(|lens| LensState {
-            aperture: Exact(lens.aperture),
-            focus_distance: Exact(lens.focus_distance),
-        }),
-        target: Exact::all(control.target().to_array()),
-        up: Exact::all(control.up().to_array()),
-    }
-}
-
 fn take_camera(state: &CameraState, setup: &mut Setup) {
     setup.take_camera(state.of_file);
     let Some(control) = &mut setup.camera else {
         return;
     };
-    let camera = CameraDescription {
-        name: control.camera().name.clone(),
-        world_from_camera: Mat4::from_cols_array(&Exact::values(state.world_from_camera)),
-        aspect_ratio: state.aspect_ratio.map(|ratio| ratio.0),
-        projection: match state.projection {
-            ProjectionState::Perspective { yfov } => Projection::Perspective { yfov: yfov.0 },
-            ProjectionState::Orthographic { ymag } => Projection::Orthographic { ymag: ymag.0 },
-        },
-        lens: state.lens.as_ref().map(|lens| Lens {
-            aperture: lens.aperture.0,
-            focus_distance: lens.focus_distance.0,
-        }),
-    };
+    let camera = state.description(control.camera().name.clone());
     let vector = |all| Vec3::from_array(Exact::values(all));
-    control.put(camera, vector(state.target), vector(state.up));
+    control.put(camera, state.target.map(vector), state.up.map(vector));
 }
 
 fn take_method(state: &State, setup: &mut Setup) {
@@ -214,22 +162,6 @@ fn take_looks(state: &State, settings: &mut ViewSettings) {
             .map_or([0.5, 0.5], |magnified| Exact::values(magnified.center)),
         ..ViewSettings::default()
     };
-}
-
-fn environment(sky: Option<&SkyChoice>, appearance: &Appearance) -> EnvironmentState {
-    let level = appearance.environment_level;
-    let map = appearance.environment.as_ref();
-    EnvironmentState {
-        sky: match sky {
-            None => EnvironmentState::OWN.to_owned(),
-            Some(SkyChoice::None) => "none".to_owned(),
-            Some(SkyChoice::Builtin(sky)) => sky.name().to_owned(),
-            Some(SkyChoice::File(path)) => absolute(path),
-        },
-        rotation: map.map(|map| Exact(map.rotation)),
-        is_on: level.is_on,
-        brightness: Exact(level.brightness),
-    }
 }
 
 fn edits(open: &OpenScene) -> Edits {

@@ -18,6 +18,7 @@ use neumann_core::scene::description::{CameraDescription, EnvironmentDescription
 use neumann_core::scene::load::LoadOptions;
 use neumann_core::scene::{self, Backs, Scene, SkyChoice};
 use neumann_picture::photons::PhotonColours;
+use neumann_picture::state::{EnvironmentState, Exact, State};
 use neumann_picture::tone::{Display, ToneCurve, auto_exposure};
 
 use crate::console;
@@ -348,6 +349,20 @@ impl SettingsOptions {
             seed: self.seed,
         };
         Ok((Arc::new(scene), settings))
+    }
+
+    /// What is rendered, as a state that the window can take up.
+    pub(crate) fn state(&self, name: &str, scene: &Scene, settings: &RenderSettings) -> State {
+        let map = scene.appearance().environment.as_deref();
+        let sky = self.environment.env.as_ref();
+        State {
+            environment: EnvironmentState {
+                brightness: Exact(self.environment.env_intensity.unwrap_or(1.0)),
+                ..EnvironmentState::of(sky, map)
+            },
+            backs: self.backs.name().to_owned(),
+            ..State::of_render(name, settings)
+        }
     }
 
     /// The files that a scene is made of.

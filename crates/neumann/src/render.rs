@@ -41,7 +41,11 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
     let inputs = arguments.settings.inputs(&arguments.scene, &scene);
     outputs::refuse_inputs(&outputs, &inputs)?;
     outputs::check_space(&arguments.outputs, &settings)?;
+    let state = arguments
+        .settings
+        .state(&arguments.scene, &scene, &settings);
     let session = Session {
+        state: Box::new(state),
         scene,
         settings,
         pool: arguments.settings.pool()?,

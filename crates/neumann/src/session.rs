@@ -13,6 +13,7 @@ use neumann_core::photons::PhotonPicture;
 use neumann_core::render::{CancelToken, IterationTimes, RenderSettings, Renderer, WorkerPool};
 use neumann_core::scene::Scene;
 use neumann_picture::exr_file::{Checkpoint, IterationRanges, Metadata};
+use neumann_picture::state::State;
 
 use crate::failure::{Outcome, bad_input};
 use crate::options::GoalOptions;
@@ -117,6 +118,8 @@ impl Goal {
 
 /// Everything that is needed to begin.
 pub(crate) struct Session {
+    /// What the header of an .exr tells the window.
+    pub(crate) state: Box<State>,
     pub(crate) scene: Arc<Scene>,
     pub(crate) settings: RenderSettings,
     pub(crate) pool: WorkerPool,
@@ -182,6 +185,7 @@ impl Session {
                 self.goal.first_iteration,
             ),
         };
+        metadata.state = Some(self.state.clone());
         let mut renderer =
             Renderer::new(Arc::clone(&self.scene), s.clone(), self.pool.clone(), next);
         renderer.record_techniques(self.technique_divisor);

@@ -37,8 +37,10 @@ fn render(scene: &str) -> Outcome {
     series::make_folder(folder)?;
     let options = SettingsOptions::defaults();
     let is_builtin = builtin(scene).is_some();
-    let (scene, settings) = options.resolve(scene)?;
+    let name = scene;
+    let (scene, settings) = options.resolve(name)?;
     let session = Session {
+        state: Box::new(options.state(name, &scene, &settings)),
         scene,
         settings,
         pool: options.pool()?,

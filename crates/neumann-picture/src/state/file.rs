@@ -86,7 +86,8 @@ impl State {
         })?;
         let state = metadata.state.map(|state| *state);
         state.ok_or_else(|| {
-            let what = "no state in its header; Ctrl Shift E in the window writes one with it";
+            let what =
+                "no state in its header; 'neumann render' and Ctrl Shift E in the window write one";
             error(what.to_owned())
         })
     }

@@ -12,9 +12,17 @@ mod number;
 mod tests;
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
+use glam::Mat4;
 use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::DEFAULT_METHOD;
+use neumann_core::render::RenderSettings;
+use neumann_core::scene::SkyChoice;
+use neumann_core::scene::builtin::builtin;
+use neumann_core::scene::description::{
+    CameraDescription, EnvironmentDescription, Lens, Projection,
+};
 use serde::{Deserialize, Serialize};
 
 pub use file::StateError;
@@ -80,10 +88,13 @@ pub struct CameraState {
     /// Lens; a pinhole where there is none.
     #[serde(default)]
     pub lens: Option<LensState>,
-    /// What it orbits, metres.
-    pub target: [Exact; 3],
-    /// What is up for it.
-    pub up: [Exact; 3],
+    /// What it orbits, metres; a point before it where there is none.
+    #[serde(default)]
+    pub target: Option<[Exact; 3]>,
+    /// What is up for it; upwards in its own picture, or the vertical if it is nearly level, where
+    /// there is none.
+    #[serde(default)]
+    pub up: Option<[Exact; 3]>,
 }
 
 /// How a camera maps directions to the film.
@@ -217,6 +228,78 @@ pub struct LevelEdit {
     pub brightness: Exact,
 }
 
+impl State {
+    /// What determines a render, with the usual looks. `scene` is a built-in scene's name, or a
+    /// path, which is made absolute.
+    #[must_use]
+    pub fn of_render(scene: &str, settings: &RenderSettings) -> Self {
+        let method = settings.method;
+        let parameters = method.parameters.iter().map(|parameter| {
+            let value = settings.values.value(parameter.name);
+            let value = value.unwrap_or_else(|| parameter.default_value());
+            (parameter.name.to_owned(), parameter.format(value))
+        });
+        Self {
+            scene: match builtin(scene) {
+                Some(_) => scene.to_owned(),
+                None => absolute(Path::new(scene)),
+            },
+            camera: Some(CameraState::of(&settings.camera)),
+            method: method.id.to_owned(),
+            parameters: parameters.collect(),
+            max_bounces: settings.max_bounces,
+            layers: settings.n_layers,
+            seed: settings.seed,
+            size: Some([settings.width, settings.height]),
+            ..Self::default()
+        }
+    }
+}
+
+impl CameraState {
+    /// A camera, to the bit; it orbits what it looks at.
+    #[must_use]
+    pub fn of(camera: &CameraDescription) -> Self {
+        Self {
+            of_file: 0,
+            world_from_camera: Exact::all(camera.world_from_camera.to_cols_array()),
+            aspect_ratio: camera.aspect_ratio.map(Exact),
+            projection: match camera.projection {
+                Projection::Perspective { yfov } => {
+                    ProjectionState::Perspective { yfov: Exact(yfov) }
+                }
+                Projection::Orthographic { ymag } => {
+                    ProjectionState::Orthographic { ymag: Exact(ymag) }
+                }
+            },
+            lens: camera.lens.map(|lens| LensState {
+                aperture: Exact(lens.aperture),
+                focus_distance: Exact(lens.focus_distance),
+            }),
+            target: None,
+            up: None,
+        }
+    }
+
+    /// The camera, under a name.
+    #[must_use]
+    pub fn description(&self, name: String) -> CameraDescription {
+        CameraDescription {
+            name,
+            world_from_camera: Mat4::from_cols_array(&Exact::values(self.world_from_camera)),
+            aspect_ratio: self.aspect_ratio.map(|ratio| ratio.0),
+            projection: match self.projection {
+                ProjectionState::Perspective { yfov } => Projection::Perspective { yfov: yfov.0 },
+                ProjectionState::Orthographic { ymag } => Projection::Orthographic { ymag: ymag.0 },
+            },
+            lens: self.lens.as_ref().map(|lens| Lens {
+                aperture: lens.aperture.0,
+                focus_distance: lens.focus_distance.0,
+            }),
+        }
+    }
+}
+
 impl Default for State {
     fn default() -> Self {
         Self {
@@ -267,4 +350,25 @@ impl Default for EnvironmentState {
 impl EnvironmentState {
     /// The word for the sky that the scene has by itself.
     pub const OWN: &'static str = "own";
+
+    /// A sky in place of the scene's own, or that, as it comes but for its turn.
+    #[must_use]
+    pub fn of(sky: Option<&SkyChoice>, map: Option<&EnvironmentDescription>) -> Self {
+        Self {
+            sky: match sky {
+                None => Self::OWN.to_owned(),
+                Some(SkyChoice::None) => "none".to_owned(),
+                Some(SkyChoice::Builtin(sky)) => sky.name().to_owned(),
+                Some(SkyChoice::File(path)) => absolute(path),
+            },
+            rotation: map.map(|map| Exact(map.rotation)),
+            ..Self::default()
+        }
+    }
+}
+
+/// A path that means the same from every folder.
+fn absolute(path: &Path) -> String {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    path.display().to_string()
 }

@@ -2,6 +2,10 @@
 
 use std::fs;
 
+use glam::Vec3;
+use neumann_core::scene::description::{CameraDescription, Projection};
+use neumann_picture::state::State;
+
 use super::Folder;
 
 /// A state whose text is `text` is refused with those words.
@@ -70,4 +74,35 @@ fn a_state_is_drawn_and_what_nobody_knows_in_it_is_told() {
         assert!(output.status.success(), "{stderr}");
         assert!(folder.join("a.png").exists());
     }
+}
+
+/// What a command has rendered can be taken up by the window.
+#[test]
+fn a_rendered_picture_has_its_state() {
+    let folder = Folder::new();
+    let line = "render cornell -o a.exr --integrator pt-nee --eye 0,2,7 --target 0.1,2.5,0 --fov 40 \
+                --size 24x16 --iterations 1 --env sun --env-intensity 2 --max-bounces 3";
+    assert!(folder.run(line).status.success());
+    let (state, warnings) = State::read(&folder.join("a.exr")).unwrap();
+    assert_eq!(warnings, Vec::<String>::new());
+    let expected = State {
+        scene: "cornell".to_owned(),
+        method: "pt-nee".to_owned(),
+        max_bounces: 3,
+        size: Some([24, 16]),
+        parameters: state.parameters.clone(),
+        camera: state.camera.clone(),
+        environment: state.environment.clone(),
+        ..State::default()
+    };
+    assert_eq!(state, expected);
+    assert_eq!(state.parameters["lights"], "tree");
+    assert_eq!(state.environment.sky, "sun");
+    assert_eq!(state.environment.brightness.0, 2.0);
+    let camera = state.camera.unwrap().description(String::new());
+    let (eye, target) = (Vec3::new(0.0, 2.0, 7.0), Vec3::new(0.1, 2.5, 0.0));
+    let matrix = CameraDescription::looking_at(eye, target, Vec3::Y);
+    assert_eq!(camera.world_from_camera, matrix);
+    let yfov = 40f32.to_radians();
+    assert_eq!(camera.projection, Projection::Perspective { yfov });
 }

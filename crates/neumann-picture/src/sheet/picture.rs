@@ -107,10 +107,11 @@ pub fn picture_sheet(sheet: &PictureSheet) -> Pixels8 {
     if let Some(wipe) = &sheet.wipe {
         canvas.fill(line_of(wipe, width, height, (MARGIN, top)), WIPE);
         let [a, b] = &wipe.names;
-        let half = (room - GUTTER as f32) / 2.0;
+        let wide = width.max(NARROWEST) as f32;
+        let half = (wide - GUTTER as f32) / 2.0;
         write(&mut canvas, a, half, Place::left((left, baseline), &SIDE));
         let place = Place {
-            at: (left + room, baseline),
+            at: (left + wide, baseline),
             align: Align::Right,
             style: &SIDE,
         };

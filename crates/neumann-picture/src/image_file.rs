@@ -33,6 +33,23 @@ pub fn read_image(path: &Path) -> Result<Image, PictureError> {
     read_layer(path, None, &mut Share::default())
 }
 
+/// Reads a picture with all layers that its file has.
+///
+/// # Errors
+/// As [`read_image`].
+pub fn read_image_with_layers(path: &Path) -> Result<Image, PictureError> {
+    let mut start = Vec::new();
+    let file = open_regular(path)?;
+    let read = file
+        .take(openexr::MAGIC.len() as u64)
+        .read_to_end(&mut start);
+    read.map_err(|e| PictureError::io(path, "read", e))?;
+    if start == openexr::MAGIC {
+        return exr_file::read_layers(path);
+    }
+    read_image(path)
+}
+
 /// Reads a layer of a picture by its name, or the main one; `memory` pays for it.
 ///
 /// # Errors

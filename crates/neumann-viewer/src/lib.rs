@@ -4,7 +4,7 @@
 //! same for the window (`window`), for screenshots without a display ([`offscreen`]) and for tests.
 //! It holds a [`session`], which is what is rendered ([`setup`]), the line to the renderer
 //! ([`render_link`], the only file that talks to it) and the film ([`picture`]); how that is looked
-//! at ([`viewing`], [`display`]); and the [`shell`] around it. [`views`] are what can stand on the
+//! at ([`viewing`], [`display`]), beside what it is held against ([`compared`]); and the [`shell`] around it. [`views`] are what can stand on the
 //! stage, the picture first. [`filmstrip`], [`panels`], [`top_bar`] and [`status`] are the rest of
 //! what one sees; [`keys`] is the one table of keys. [`state`] writes down what has been chosen,
 //! and takes it up again.
@@ -13,6 +13,7 @@ pub mod app;
 pub mod blind_spots;
 pub mod camera_control;
 pub mod command_line;
+pub mod compared;
 pub mod display;
 pub mod filmstrip;
 pub mod flight;

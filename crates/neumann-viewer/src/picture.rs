@@ -1,10 +1,13 @@
 //! What the window knows about the film: taken over once a frame, under a short lock.
 
+use std::sync::Arc;
+
 use neumann_core::film::View;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::{Published, Stats, Thumbnail};
 use neumann_picture::tone::auto_exposure;
 
+use crate::compared::{Origin, Reference};
 use crate::display::{SharedPlanes, Slot, ViewSettings, mean_of};
 use crate::render_link::RenderLink;
 
@@ -13,8 +16,22 @@ use crate::render_link::RenderLink;
 pub struct Held {
     /// What it showed.
     pub view: View,
-    /// By what method, and how far.
-    pub label: String,
+    /// Where it comes from.
+    pub origin: Option<Origin>,
+    /// Pixels per row, and rows.
+    pub size: (usize, usize),
+    /// Terms before the tail.
+    pub n_layers: usize,
+    /// Row 0 on top.
+    pub pixels: Arc<Vec<Rgb>>,
+}
+
+/// The part of the reference that is in its plane.
+#[derive(Clone, Debug)]
+struct ReferencePart {
+    part: View,
+    n_layers: usize,
+    pixels: Arc<Vec<Rgb>>,
 }
 
 /// The film as of this frame, and the pictures made from it.
@@ -42,8 +59,11 @@ pub struct Picture {
     composed: Option<(u64, View)>,
     /// What is held as A and as B.
     pub held: [Option<Held>; 2],
-    /// Name of the reference, if one has been loaded.
-    pub reference: Option<String>,
+    /// What the picture is held against, if there is anything.
+    pub reference: Option<Reference>,
+    reference_part: Option<ReferencePart>,
+    /// How often a picture was held, or a reference taken over.
+    pub n_taken: u64,
     /// Microseconds that the last composition took.
     pub compose_micros: u32,
 }
@@ -128,25 +148,64 @@ impl Picture {
     }
 
     /// Puts the present view aside as A (0) or B (1).
-    pub fn hold(&mut self, link: &RenderLink, which: usize, view: View, label: String) {
+    pub fn hold(&mut self, link: &RenderLink, which: usize, view: View, origin: Option<Origin>) {
         let slot = if which == 0 { Slot::HeldA } else { Slot::HeldB };
-        let mean = mean_of(&self.thumbnail(view));
-        link.read(|published| {
-            self.planes
-                .lock()
-                .put_view(slot, &published.film, view, mean);
+        let Some(held) = self.held.get_mut(which) else {
+            return;
+        };
+        let taken = link.read(|published| {
+            let film = &published.film;
+            let mut pixels = vec![Rgb::BLACK; film.width() * film.height()];
+            film.compose(view, &mut pixels);
+            Held {
+                view,
+                origin,
+                size: (film.width(), film.height()),
+                n_layers: film.n_layers(),
+                pixels: Arc::new(pixels),
+            }
         });
-        if let Some(held) = self.held.get_mut(which) {
-            *held = Some(Held { view, label });
-        }
+        let (width, height) = taken.size;
+        self.planes.lock().put(slot, width, height, &taken.pixels);
+        *held = Some(taken);
+        self.n_taken += 1;
     }
 
     /// Takes over a reference to hold the picture against.
-    pub fn set_reference(&mut self, name: String, size: (usize, usize), pixels: &[Rgb]) {
-        self.planes
-            .lock()
-            .put(Slot::Reference, size.0, size.1, pixels);
-        self.reference = Some(name);
+    pub fn set_reference(&mut self, reference: Reference) {
+        self.reference = Some(reference);
+        self.reference_part = None;
+        self.n_taken += 1;
+    }
+
+    /// Makes the reference's picture of a part, unless it is there already or the reference has no
+    /// such part.
+    pub fn compose_reference(&mut self, part: View) {
+        let n_layers = self.n_layers;
+        let is_there = |there: &ReferencePart| there.part == part && there.n_layers == n_layers;
+        if self.reference_part.as_ref().is_some_and(is_there) {
+            return;
+        }
+        let Some(reference) = &self.reference else {
+            return;
+        };
+        if let Ok(pixels) = reference.pixels(part, n_layers) {
+            let (width, height) = reference.size;
+            let mut planes = self.planes.lock();
+            planes.put(Slot::Reference, width, height, &pixels);
+            self.reference_part = Some(ReferencePart {
+                part,
+                n_layers,
+                pixels,
+            });
+        }
+    }
+
+    /// The reference's pixels of a part, if that is composed.
+    #[must_use]
+    pub fn reference_pixels(&self, part: View) -> Option<Arc<Vec<Rgb>>> {
+        let there = self.reference_part.as_ref()?;
+        (there.part == part).then(|| Arc::clone(&there.pixels))
     }
 
     /// Energy share of a view, 0 to 1; `None` before there is one.

@@ -12,7 +12,8 @@ use crate::widgets::significant;
 pub struct Reading {
     /// What it holds in words, its place first.
     pub lines: Vec<String>,
-    /// What each bounce has of it, tail last: luminance, or a number of photons.
+    /// What each bounce has of it, tail last: luminance, or a number of photons. Empty where bounces
+    /// are not known.
     pub bounces: Vec<f32>,
 }
 
@@ -63,7 +64,12 @@ pub fn show(ui: &Ui, rect: Rect, reading: &Reading, part: Part) {
         .collect();
     let width = lines.iter().map(|l| l.size().x).fold(152.0, f32::max);
     let corner = pos2(rect.right() - 2.0 * GRID, rect.top() + 1.5 * GRID);
-    let height = lines.len() as f32 * LINE + BARS;
+    let bars = if reading.bounces.is_empty() {
+        0.0
+    } else {
+        BARS
+    };
+    let height = lines.len() as f32 * LINE + bars;
     let spot = Rect::from_min_max(
         pos2(corner.x - width, corner.y),
         pos2(corner.x, corner.y + height),
@@ -79,7 +85,10 @@ pub fn show(ui: &Ui, rect: Rect, reading: &Reading, part: Part) {
 
 /// What each bounce has of the pixel, as bars under the numbers.
 fn bounce_bars(painter: &Painter, spot: Rect, reading: &Reading, part: Part, p: &Palette) {
-    let n = reading.bounces.len().max(1);
+    if reading.bounces.is_empty() {
+        return;
+    }
+    let n = reading.bounces.len();
     let largest = reading.bounces.iter().copied().fold(1e-20, f32::max);
     let area = Rect::from_min_max(
         pos2(spot.left(), spot.bottom() - 34.0),

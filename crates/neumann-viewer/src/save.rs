@@ -24,6 +24,21 @@ pub fn png(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     });
 }
 
+/// Saves what is shown where the desktop's dialog says.
+pub fn png_as(session: &Session, viewing: &Viewing, shell: &mut Shell) {
+    let Some(image) = viewing.views.image(session, &viewing.settings) else {
+        return nothing(shell);
+    };
+    let name = path_of(session, &image.name, "png").display().to_string();
+    shell.background.save_as(name, move |mut path| {
+        if path.extension().is_none() {
+            path.set_extension("png");
+        }
+        write_png(&path, &(image.pixels)()).map_err(|e| e.to_string())?;
+        Ok(format!("Saved {}", shown(&path)))
+    });
+}
+
 /// Saves all layers, so that the command can go on with the render, with the state in the header.
 pub fn exr(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     let Some((film, metadata)) = session.film() else {

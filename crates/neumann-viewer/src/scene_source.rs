@@ -8,7 +8,10 @@ use neumann_core::render::lit;
 use neumann_core::scene::description::DefaultSky;
 use neumann_core::scene::load::{EnvironmentFile, LoadError, LoadOptions, load_environment};
 use neumann_core::scene::{self, Backs, BetterTree, OpeningProgress, Scene, SkyChoice};
-use neumann_picture::image_file::{Image, read_image};
+
+use crate::compared::Reference;
+use crate::compared::measured::{Measurement, Outcome};
+use crate::render_link::yield_to_renderer;
 
 /// Something that was asked for has come, or has failed.
 pub enum Arrival {
@@ -18,8 +21,10 @@ pub enum Arrival {
     Tree(BetterTree),
     /// An environment map, by its path.
     Environment(PathBuf, Result<EnvironmentFile, String>),
-    /// A reference picture, by its path.
-    Reference(String, Result<Image, String>),
+    /// A reference picture.
+    Reference(Result<Reference, String>),
+    /// How far two pictures are apart.
+    Measured(Outcome),
     /// A path was chosen in the desktop's dialog.
     Chosen(Wanted, PathBuf),
     /// A file was written, or could not be.
@@ -122,8 +127,15 @@ impl Background {
     /// Reads a picture to hold the film against.
     pub fn open_reference(&mut self, path: PathBuf) {
         self.run("neumann-load", move || {
-            let image = read_image(&path).map_err(|e| e.to_string());
-            Some(Arrival::Reference(path.display().to_string(), image))
+            Some(Arrival::Reference(Reference::read(&path)))
+        });
+    }
+
+    /// Measures how far two pictures are apart.
+    pub fn measure(&mut self, measurement: Measurement) {
+        self.run("neumann-compare", move || {
+            yield_to_renderer();
+            Some(Arrival::Measured(measurement.make()))
         });
     }
 
@@ -143,6 +155,21 @@ impl Background {
                     .add_filter("Pictures", &["exr", "png", "hdr"]),
             };
             dialog.pick_file().map(|path| Arrival::Chosen(wanted, path))
+        });
+    }
+
+    /// Asks in the desktop's dialog where a picture is to be written, and writes it there.
+    pub fn save_as(
+        &mut self,
+        name: String,
+        write: impl FnOnce(PathBuf) -> Result<String, String> + Send + 'static,
+    ) {
+        self.run("neumann-dialog", move || {
+            let dialog = rfd::FileDialog::new()
+                .set_title("Save the picture")
+                .set_file_name(name)
+                .add_filter("PNG", &["png"]);
+            dialog.save_file().map(|path| Arrival::Saved(write(path)))
         });
     }
 

@@ -7,9 +7,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use neumann_core::film::{Film, View as Part};
+use neumann_core::integrator::Method;
 use neumann_core::render::RenderSettings;
+use neumann_core::scene::Scene;
 use neumann_picture::exr_file::{IterationRanges, Metadata};
 
+use crate::compared::{Measuring, Origin, SceneName};
 use crate::display::ViewSettings;
 use crate::picture::Picture;
 use crate::render_link::RenderLink;
@@ -24,6 +27,10 @@ pub struct Session {
     pub link: RenderLink,
     /// The film as of this frame.
     pub picture: Picture,
+    /// How far it is from what it is compared with.
+    pub measuring: Measuring,
+    /// What the picture was made by and of.
+    made: Option<(&'static Method, Arc<Scene>)>,
     /// Part of the series that was shown last.
     part: Part,
     room: Room,
@@ -59,6 +66,8 @@ impl Session {
             setup,
             link,
             picture: Picture::default(),
+            measuring: Measuring::default(),
+            made: None,
             part: Part::Total,
             room: Room {
                 fitting: (0, 0),
@@ -116,6 +125,11 @@ impl Session {
         if self.catching_up().is_none() {
             self.kept = None;
             self.picture.refresh(&self.link, settings);
+        }
+        if self.is_current()
+            && let Some(job) = self.link.started()
+        {
+            self.made = Some((job.settings.method, Arc::clone(&job.scene)));
         }
     }
 
@@ -188,19 +202,38 @@ impl Session {
         self.setup.method().bias.filter(|_| merges)
     }
 
-    /// What the present picture is, in short.
+    /// Where the picture on screen comes from; `None` before there is one.
     #[must_use]
-    pub fn label(&self, part: Part) -> String {
-        let n = self.picture.stats.n_iterations;
-        format!("{part} · {} · {n}", self.setup.method().title)
+    pub fn origin(&self) -> Option<Origin> {
+        let (method, scene) = self.made.as_ref()?;
+        Some(Origin {
+            method: method.title.to_owned(),
+            n_iterations: self.picture.stats.n_iterations,
+            seconds: self.picture.stats.seconds,
+            scene: SceneName::of(scene),
+        })
+    }
+
+    /// Size at which the film stands on the screen: what was asked for, or, while the picture is of
+    /// something older, its own.
+    #[must_use]
+    pub fn shown_size(&self) -> (usize, usize) {
+        if self.is_current()
+            && self.setup.size != (0, 0)
+            && let Some(job) = self.link.started()
+        {
+            return (job.settings.width, job.settings.height);
+        }
+        let (w, h) = self.picture.size;
+        (w * self.picture.divisor, h * self.picture.divisor)
     }
 
     /// Puts a part of the film aside as A (0) or B (1).
     pub fn hold(&mut self, which: usize, part: Part) {
         self.kept = None;
         if self.picture.is_there() {
-            let label = self.label(part);
-            self.picture.hold(&self.link, which, part, label);
+            let origin = self.origin();
+            self.picture.hold(&self.link, which, part, origin);
         }
     }
 

@@ -64,6 +64,10 @@ pub enum Command {
     Do(Action),
     /// Open a scene by name or path, or a state by its path.
     OpenScene(String),
+    /// Take what is held as A (0) or B (1) as the reference.
+    ReferToHeld(usize),
+    /// Save what is shown where the desktop's dialog says.
+    SaveAs,
 }
 
 /// What only the window can do.
@@ -106,6 +110,16 @@ impl Shell {
     /// Asks for a scene to be opened by name or path, or a state by its path.
     pub fn open_scene(&mut self, source: impl Into<String>) {
         self.commands.push(Command::OpenScene(source.into()));
+    }
+
+    /// Asks for what is held as A (0) or B (1) to be taken as the reference.
+    pub fn refer_to_held(&mut self, which: usize) {
+        self.commands.push(Command::ReferToHeld(which));
+    }
+
+    /// Asks for what is shown to be saved where the desktop's dialog says.
+    pub fn save_as(&mut self) {
+        self.commands.push(Command::SaveAs);
     }
 
     /// What has been asked for since.

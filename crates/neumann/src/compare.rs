@@ -5,7 +5,7 @@ use std::path::Path;
 use neumann_core::memory::{self, Share};
 use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
-use neumann_picture::compare::{Comparison, compare, difference_picture};
+use neumann_picture::compare::{Comparison, compare, difference_picture, working_bytes};
 use neumann_picture::exr_file::write_image_exr;
 use neumann_picture::image_file::read_layer;
 use neumann_picture::png_file::write_png;
@@ -26,15 +26,17 @@ pub(crate) fn run(arguments: &CompareArguments) -> Outcome {
     let mut memory = Share::default();
     let image = read_layer(&arguments.image, layer, &mut memory).or_bad_input()?;
     // Before the reference is read, lest that be in vain.
-    memory.grow(working_bytes(&image)).map_err(|shortage| {
-        let names = [&arguments.image, &arguments.reference].map(|path| path.display());
-        bad_input(format!(
-            "{} and {}: comparing them {shortage}; {}",
-            names[0],
-            names[1],
-            memory::REMEDY
-        ))
-    })?;
+    memory
+        .grow(working_bytes(image.pixels.len()))
+        .map_err(|shortage| {
+            let names = [&arguments.image, &arguments.reference].map(|path| path.display());
+            bad_input(format!(
+                "{} and {}: comparing them {shortage}; {}",
+                names[0],
+                names[1],
+                memory::REMEDY
+            ))
+        })?;
     let reference = read_layer(&arguments.reference, layer, &mut memory).or_bad_input()?;
     let display = arguments.display.display(|| reference.pixels.clone());
     let comparison = compare(&image, &reference, &display).or_bad_input()?;
@@ -57,12 +59,6 @@ pub(crate) fn run(arguments: &CompareArguments) -> Outcome {
         }));
     }
     console::result(&table(&comparison))
-}
-
-/// Memory that FLIP takes: lightness, colours and edges of both pictures, and filtered planes.
-fn working_bytes(image: &Image) -> u64 {
-    const PER_PIXEL: usize = 84;
-    memory::bytes_of::<[u8; PER_PIXEL]>(image.pixels.len())
 }
 
 fn write_difference(path: &Path, image: &Image, reference: &Image) -> Outcome {

@@ -12,6 +12,7 @@
 
 mod flip;
 
+use neumann_core::memory;
 use neumann_core::radiometry::Rgb;
 
 pub use flip::flip;
@@ -74,6 +75,14 @@ pub fn compare(
         largest_difference: sums.largest_difference,
         n_skipped: image.pixels.len() - sums.n_pixels,
     })
+}
+
+/// Memory that [`compare`] takes for so many pixels: lightness, colours and edges of both pictures,
+/// and filtered planes.
+#[must_use]
+pub fn working_bytes(n_pixels: usize) -> u64 {
+    const PER_PIXEL: usize = 84;
+    memory::bytes_of::<[u8; PER_PIXEL]>(n_pixels)
 }
 
 /// The signed difference of luminance as a picture: orange where `image` is brighter than

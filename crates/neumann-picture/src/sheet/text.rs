@@ -198,7 +198,7 @@ mod tests {
         let typesetter = Typesetter::new();
         for face in [Face::Regular, Face::SemiBold] {
             let font = typesetter.font(face).expect("embedded font");
-            for c in "LTek0123456789+=…Σ≥<.,% ·×()-−µnmkMW".chars() {
+            for c in "LTek0123456789+=…Σ≥<.,% ·×()-−µnmkMWsr⁻¹²:".chars() {
                 assert_ne!(font.glyph_id(c).0, 0, "{c}");
             }
         }

@@ -7,7 +7,8 @@ use neumann_picture::tone::ToneCurve;
 
 use super::App;
 use crate::command_line;
-use crate::display::image_area;
+use crate::compared::Reference;
+use crate::display::{Against, image_area};
 use crate::keys::Action;
 use crate::panels::Page;
 use crate::save;
@@ -153,11 +154,13 @@ impl App {
                     self.session.hold(0, viewing.part);
                 }
                 viewing.is_wiping = !viewing.is_wiping;
-                viewing.is_difference = false;
+                viewing.difference = None;
             }
             Action::Difference => {
-                if self.session.picture.reference.is_some() {
-                    viewing.is_difference = !viewing.is_difference;
+                if viewing.difference.take().is_some() {
+                    // It was shown, and is no longer.
+                } else if self.session.picture.reference.is_some() {
+                    viewing.difference = Some(Against::Reference);
                     viewing.is_wiping = false;
                 } else {
                     self.shell.page = Page::Display;
@@ -167,6 +170,15 @@ impl App {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Takes what is held as A (0) or B (1) as the reference, in the part that it was held with.
+    pub(super) fn refer_to_held(&mut self, which: usize) {
+        let held = &self.session.picture.held;
+        if let Some(held) = held.get(which).and_then(Option::as_ref) {
+            let name = if which == 0 { "A" } else { "B" };
+            self.take_reference(Reference::of_held(name, held));
         }
     }
 
@@ -182,9 +194,9 @@ impl App {
             self.shell.is_menu_open = false;
         } else if self.shell.notices.close_newest() || self.viewing.views.step_back() {
             // That was it.
-        } else if self.viewing.settings.is_wiping || self.viewing.settings.is_difference {
+        } else if self.viewing.settings.is_wiping || self.viewing.settings.difference.is_some() {
             self.viewing.settings.is_wiping = false;
-            self.viewing.settings.is_difference = false;
+            self.viewing.settings.difference = None;
         } else if self.viewing.settings.zoom.is_some() {
             self.viewing.settings.zoom = None;
             self.viewing.settings.center = [0.5, 0.5];

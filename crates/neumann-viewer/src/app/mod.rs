@@ -13,6 +13,7 @@ use egui::{Context, Rect, Ui, pos2};
 use neumann_core::scene::OpeningProgress;
 use neumann_picture::state::{EnvironmentState, State};
 
+use crate::compared::Compared;
 use crate::display::ViewSettings;
 use crate::keys;
 use crate::options::{Exposure, ViewOptions};
@@ -22,8 +23,8 @@ use crate::setup::Setup;
 use crate::shell::{Command, Shell};
 use crate::status::{self, Status};
 use crate::viewing::Viewing;
-use crate::views::{self, Stage};
-use crate::{filmstrip, flight, help, panels, theme, top_bar};
+use crate::views::{self, Stage, VIEWS};
+use crate::{filmstrip, flight, help, panels, save, theme, top_bar};
 
 /// All state of the window.
 pub struct App {
@@ -154,6 +155,7 @@ impl App {
             opening: self.loading.as_ref().map(|l| &l.progress),
         };
         viewing.views.draw(ui, &mut stage_of_view);
+        self.measure(&ctx);
         if let Some(offer) = self.shell.notices.show(&ctx, stage) {
             self.accept(offer);
         }
@@ -162,6 +164,22 @@ impl App {
         }
         self.shell.had_focus = ctx.memory(|m| m.focused().is_some());
         self.session.start_if_changed();
+    }
+
+    /// Has it measured how far the two pictures on the screen are apart.
+    fn measure(&mut self, ctx: &Context) {
+        if self.viewing.views.shown().id != VIEWS[0].id {
+            return;
+        }
+        let compared = Compared::of(&self.session, &self.viewing.settings);
+        let settings = &self.viewing.settings;
+        if let Some(measurement) = self.session.next_measurement(&compared, settings) {
+            self.shell.background.measure(measurement);
+        } else if compared.sides().is_some()
+            && let Some(rest) = self.session.measuring.rest()
+        {
+            ctx.request_repaint_after(rest);
+        }
     }
 
     /// Draws bars, filmstrip and panel; yields what they leave for the picture.
@@ -213,6 +231,10 @@ impl App {
             match command {
                 Command::Do(action) => self.perform(ctx, action),
                 Command::OpenScene(source) => self.open_path(source),
+                Command::ReferToHeld(which) => self.refer_to_held(which),
+                Command::SaveAs => {
+                    save::png_as(&self.session, &self.viewing, &mut self.shell);
+                }
             }
         }
     }

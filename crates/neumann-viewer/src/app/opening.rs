@@ -11,6 +11,8 @@ use neumann_core::scene::{Backs, Scene, SkyChoice};
 use neumann_picture::state::State;
 
 use super::{App, Loading};
+use crate::compared::Reference;
+use crate::display::Against;
 use crate::notices::Offer;
 use crate::options::Exposure;
 use crate::scene_source::{Arrival, Wanted};
@@ -258,13 +260,8 @@ impl App {
                     }
                 }
                 Arrival::Environment(path, Ok(file)) => self.take_map(ctx, path, file),
-                Arrival::Reference(path, Ok(image)) => {
-                    let size = (image.width, image.height);
-                    self.session
-                        .picture
-                        .set_reference(path, size, &image.pixels);
-                    self.viewing.settings.is_difference = true;
-                }
+                Arrival::Reference(Ok(reference)) => self.take_reference(reference),
+                Arrival::Measured(outcome) => self.session.measuring.take(outcome),
                 Arrival::Chosen(Wanted::Scene, path) => {
                     self.open_path(path.display().to_string());
                 }
@@ -276,10 +273,17 @@ impl App {
                 }
                 Arrival::Saved(Ok(text)) => self.shell.notices.remark(ctx, text),
                 Arrival::Environment(_, Err(error))
-                | Arrival::Reference(_, Err(error))
+                | Arrival::Reference(Err(error))
                 | Arrival::Saved(Err(error)) => self.shell.notices.failure(error),
             }
         }
+    }
+
+    /// Takes over a reference, and shows the difference to it.
+    pub(super) fn take_reference(&mut self, reference: Reference) {
+        self.session.picture.set_reference(reference);
+        self.viewing.settings.difference = Some(Against::Reference);
+        self.viewing.settings.is_wiping = false;
     }
 
     fn take_map(&mut self, ctx: &Context, path: PathBuf, file: EnvironmentFile) {

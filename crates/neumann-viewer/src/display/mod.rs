@@ -11,8 +11,21 @@ pub use gpu::{Draw, FilmGpu, Look, MAX_DRAWS, Mode, SharedPlanes, Variant};
 pub use planes::{Plane, Planes, Slot, mean_of};
 
 use neumann_core::film::View as Part;
-use neumann_picture::false_colour::ColourMap;
+use neumann_core::radiometry::Rgb;
+use neumann_picture::false_colour::{ColourMap, diverging};
+use neumann_picture::sheet::Scale;
 use neumann_picture::tone::{Display, ToneCurve};
+
+use crate::widgets::significant;
+
+/// What a difference is taken to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Against {
+    /// The picture less the reference.
+    Reference,
+    /// What is held as A less what is held as B.
+    Held,
+}
 
 /// How the film is looked at.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,8 +52,8 @@ pub struct ViewSettings {
     pub is_wiping: bool,
     /// Its place across the picture, 0 to 1.
     pub wipe: f32,
-    /// The difference to the reference instead of the picture.
-    pub is_difference: bool,
+    /// A difference instead of the picture.
+    pub difference: Option<Against>,
 }
 
 impl Default for ViewSettings {
@@ -57,7 +70,7 @@ impl Default for ViewSettings {
             center: [0.5, 0.5],
             is_wiping: false,
             wipe: 0.5,
-            is_difference: false,
+            difference: None,
         }
     }
 }
@@ -87,6 +100,56 @@ impl ViewSettings {
     #[must_use]
     pub fn difference_range(&self) -> f32 {
         0.25 * (-self.exposure_ev).exp2()
+    }
+
+    /// A radiance as the screen shows it, sRGB codes.
+    #[must_use]
+    pub fn code(&self, radiance: Rgb) -> [u8; 3] {
+        if !self.is_false_colour {
+            return self.display().srgb8(radiance);
+        }
+        let [low, high] = self.map_range();
+        let stops = radiance.luminance().max(1e-30).log2();
+        self.map.rgb(in_steps((stops - low) / (high - low)))
+    }
+
+    /// A difference of two radiances as the screen shows it, sRGB codes.
+    #[must_use]
+    pub fn difference_code(&self, left: Rgb, right: Rgb) -> [u8; 3] {
+        let apart = left.luminance() - right.luminance();
+        let t = in_steps(0.5 + 0.5 * apart / self.difference_range());
+        diverging(2.0 * t - 1.0)
+    }
+
+    /// What the colours of a difference, or false colours, stand for.
+    #[must_use]
+    pub fn scale(&self, is_difference: bool) -> Scale {
+        let steps = (0..=255u8).map(|i| f32::from(i) / 255.0);
+        let unit = "W m⁻² sr⁻¹".to_owned();
+        if is_difference {
+            let end = f64::from(self.difference_range());
+            let mark = |t: f32| {
+                let value = significant(end * f64::from(t), 2);
+                let sign = if t > 0.0 { "+" } else { "" };
+                (0.5 + 0.5 * t, format!("{sign}{value}"))
+            };
+            return Scale {
+                unit,
+                colours: steps.map(|t| diverging(2.0 * t - 1.0)).collect(),
+                marks: [-1.0, -0.5, 0.0, 0.5, 1.0].map(mark).into(),
+            };
+        }
+        let [low, high] = self.map_range();
+        let mark = |i: u8| {
+            let t = f32::from(i) / 4.0;
+            let value = f64::from(low + (high - low) * t).exp2();
+            (t, significant(value, 2))
+        };
+        Scale {
+            unit,
+            colours: steps.map(|t| self.map.rgb(t)).collect(),
+            marks: (0..=4).map(mark).collect(),
+        }
     }
 
     /// What the shader needs to know, for a whole picture.
@@ -141,6 +204,11 @@ impl ViewSettings {
             Part::Total => (true, n_layers),
         }
     }
+}
+
+/// The nearest of the 256 places of a colour map that the shader knows.
+fn in_steps(t: f32) -> f32 {
+    (t.clamp(0.0, 1.0) * 255.0).round() / 255.0
 }
 
 #[cfg(test)]

@@ -6,17 +6,20 @@ use egui::Ui;
 use neumann_picture::false_colour::ColourMap;
 use neumann_picture::tone::ToneCurve;
 
-use crate::display::ViewSettings;
+use crate::compared::{Compared, Side};
+use crate::display::{Against, ViewSettings};
 use crate::keys::Action;
 use crate::picture::Picture;
 use crate::scene_source::Wanted;
+use crate::session::Session;
 use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::widgets::{
-    Slider, button, choice_row, fact, heading, hint, paragraph, rule, switch, text_field,
+    Slider, button, choice_row, fact, heading, hint, paragraph, rule, significant, switch,
+    text_field,
 };
 
-pub(super) fn show(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: &mut Shell) {
+pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &mut Shell) {
     heading(ui, "Exposure and tone");
     let mut ev = f64::from(viewing.exposure_ev);
     let slider = Slider::new("exposure", -16.0, 16.0).unit("EV").default(0.0);
@@ -25,7 +28,7 @@ pub(super) fn show(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, s
         viewing.is_auto = false;
     }
     if switch(ui, "automatic", &mut viewing.is_auto).changed() && viewing.is_auto {
-        viewing.exposure_ev = picture.auto_exposure(viewing.part);
+        viewing.exposure_ev = session.picture.auto_exposure(viewing.part);
     }
     let names = ToneCurve::ALL.map(ToneCurve::name);
     let chosen = ToneCurve::ALL.iter().position(|t| *t == viewing.tone);
@@ -64,16 +67,17 @@ pub(super) fn show(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, s
         }
     });
     hint(ui, "or the wheel with Ctrl; right drag moves");
-    compare(ui, picture, viewing, shell);
+    compare(ui, session, viewing, shell);
+    save(ui, shell);
 }
 
-fn compare(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: &mut Shell) {
+fn compare(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &mut Shell) {
     rule(ui);
     heading(ui, "Compare");
+    let picture = &session.picture;
     for (i, name) in ["A", "B"].into_iter().enumerate() {
-        let held = picture.held.get(i).and_then(Option::as_ref);
-        let text = match (held, i) {
-            (Some(held), _) => held.label.clone(),
+        let text = match (Side::held(i, session), i) {
+            (Some(held), _) => held.label(),
             (None, 0) => "nothing held".to_owned(),
             (None, _) => "the live picture".to_owned(),
         };
@@ -89,9 +93,14 @@ fn compare(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: &m
     });
     let is_held = picture.held[0].is_some();
     let mut is_wiping = viewing.is_wiping;
+    let mut is_less = viewing.difference == Some(Against::Held);
     ui.add_enabled_ui(is_held, |ui| {
         if switch(ui, "wipe A | B", &mut is_wiping).changed() {
             shell.act(ui.ctx(), Action::Wipe);
+        }
+        if switch(ui, "A − B", &mut is_less).changed() {
+            viewing.difference = is_less.then_some(Against::Held);
+            viewing.is_wiping = false;
         }
     });
     if viewing.is_wiping {
@@ -101,9 +110,26 @@ fn compare(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: &m
             .show(ui, &mut place);
         viewing.wipe = place as f32;
     }
+    reference(ui, picture, viewing, shell);
+    let compared = Compared::of(session, viewing);
+    if let Compared::Refused(why) = &compared {
+        paragraph(ui, why);
+    }
+    if let Some(measured) = session.measuring.of(session, &compared) {
+        fact(ui, "relMSE", &significant(measured.rel_mse, 3));
+        fact(ui, "FLIP", &significant(measured.flip, 3));
+    }
+}
+
+fn reference(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: &mut Shell) {
     ui.add_space(GRID);
     match &picture.reference {
-        Some(name) => hint(ui, name),
+        Some(reference) => {
+            fact(ui, "reference", &reference.name);
+            if let Some(origin) = &reference.origin {
+                hint(ui, &origin.words());
+            }
+        }
         None => paragraph(ui, "No reference; load an EXR to see the difference to it."),
     }
     text_field(ui, "path of a reference", &mut shell.fields.reference);
@@ -116,10 +142,35 @@ fn compare(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: &m
             shell.background.choose(Wanted::Reference);
         }
     });
-    let mut is_difference = viewing.is_difference;
+    for (i, name) in ["Use A as reference", "Use B as reference"]
+        .into_iter()
+        .enumerate()
+    {
+        let is_held = picture.held[i].is_some();
+        ui.add_enabled_ui(is_held, |ui| {
+            if button(ui, name).clicked() {
+                shell.refer_to_held(i);
+            }
+        });
+    }
+    let mut is_difference = viewing.difference == Some(Against::Reference);
     ui.add_enabled_ui(picture.reference.is_some(), |ui| {
         if switch(ui, "difference", &mut is_difference).changed() {
-            shell.act(ui.ctx(), Action::Difference);
+            viewing.difference = is_difference.then_some(Against::Reference);
+            viewing.is_wiping = false;
+        }
+    });
+}
+
+fn save(ui: &mut Ui, shell: &mut Shell) {
+    rule(ui);
+    heading(ui, "Save what is shown");
+    ui.horizontal(|ui| {
+        if button(ui, "Save").clicked() {
+            shell.act(ui.ctx(), Action::SavePng);
+        }
+        if button(ui, "Save as …").clicked() {
+            shell.save_as();
         }
     });
 }

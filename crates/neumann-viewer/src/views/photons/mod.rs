@@ -181,7 +181,8 @@ impl View for PhotonView {
             Some(facts) => format!("{caption}, {}", facts.join(" · ")),
             None => format!("{caption}, none yet"),
         };
-        let (response, placement) = picture::take_pointer(ui, stage, &name);
+        let size = stage.session.shown_size();
+        let (response, placement) = picture::take_pointer(ui, stage, size, &name);
         self.paint(ui.ctx(), look);
         let rect = stage.rect;
         let painter = ui.painter().with_clip_rect(rect);

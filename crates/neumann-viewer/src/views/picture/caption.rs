@@ -1,74 +1,113 @@
-//! The caption on the picture: the part of the series as a formula and in words, and what the
-//! method cannot see of it.
+//! The caption on the picture: the part of the series as a formula and in words, what is compared,
+//! and what the method cannot see of it.
 
 use egui::{Painter, Rect, Vec2};
 use neumann_core::film::View as Part;
 
 use crate::blind_spots;
+use crate::compared::Compared;
 use crate::display::ViewSettings;
 use crate::formula::Formula;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
 
-/// Draws the caption in the upper left corner of `rect`.
-pub(super) fn show(
-    painter: &Painter,
-    rect: Rect,
-    session: &Session,
-    settings: &ViewSettings,
-    p: &Palette,
-) {
-    let part = settings.part;
-    let (formula, text) = if settings.is_difference && session.picture.reference.is_some() {
-        (None, "difference to the reference, in luminance".to_owned())
-    } else if part.layers(session.picture.n_layers).is_none() {
-        (
-            Some(part),
-            "not kept apart; raise the number of terms".to_owned(),
-        )
-    } else {
-        (Some(part), part.caption())
-    };
-    let at = rect.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
-    let formula = formula.map(|part: Part| Formula::full(painter, part, theme::CAPTION, p.text));
-    let below = formula
-        .as_ref()
-        .map_or(0.0, |f| theme::CAPTION * 1.15 + f.size.y * 0.22);
-    let galley = painter.layout_no_wrap(text, theme::body(), p.text);
-    let note = blind_spots_of(session, settings).map(|note| {
-        let room = rect.width() - 6.0 * GRID;
-        painter.layout(note, theme::small(), p.weak, room)
-    });
-    let width = formula
-        .as_ref()
-        .map_or(0.0, |f| f.size.x)
-        .max(galley.size().x)
-        .max(note.as_ref().map_or(0.0, |n| n.size().x));
-    let note_top = below + galley.size().y + 2.0;
-    let height = note
-        .as_ref()
-        .map_or(note_top - 2.0, |n| note_top + n.size().y);
-    let spot = Rect::from_min_size(at, Vec2::new(width, height));
-    painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, theme::plate(p));
-    if let Some(formula) = formula {
-        formula.paint(painter, at);
+/// What stands in the upper left corner of the picture.
+pub(super) struct Caption {
+    /// The part of the series, where there is only one.
+    formula: Option<Part>,
+    text: String,
+    notes: Vec<String>,
+    is_compared: bool,
+}
+
+impl Caption {
+    pub(super) fn of(session: &Session, settings: &ViewSettings, compared: &Compared) -> Self {
+        let part = settings.part;
+        if let Some([a, b]) = compared.sides() {
+            let mut notes = compared.lines();
+            let measured = session.measuring.of(session, compared);
+            notes.extend(measured.map(|measured| measured.words()));
+            return Self {
+                formula: (a.part == b.part).then_some(a.part),
+                text: compared.title(),
+                notes,
+                is_compared: true,
+            };
+        }
+        let is_kept = part.layers(session.picture.n_layers).is_some();
+        let refusal = match compared {
+            Compared::Refused(why) => Some(why.clone()),
+            _ => None,
+        };
+        Self {
+            formula: Some(part),
+            text: if is_kept {
+                part.caption()
+            } else {
+                "not kept apart; raise the number of terms".to_owned()
+            },
+            notes: refusal
+                .into_iter()
+                .chain(blind_spots_of(session, part))
+                .collect(),
+            is_compared: false,
+        }
     }
-    painter.galley(at + Vec2::new(0.0, below), galley, p.text);
-    if let Some(note) = note {
-        painter.galley(at + Vec2::new(0.0, note_top), note, p.weak);
+
+    /// The same for whoever does not see it.
+    pub(super) fn spoken(&self) -> String {
+        let what = if self.is_compared {
+            "compared"
+        } else {
+            "picture"
+        };
+        let notes: String = self.notes.iter().map(|note| format!("; {note}")).collect();
+        format!("{what}: {}{notes}", self.text)
+    }
+
+    /// Draws it in the upper left corner of `rect`.
+    pub(super) fn show(&self, painter: &Painter, rect: Rect, p: &Palette) {
+        let at = rect.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
+        let room = rect.width() - 6.0 * GRID;
+        let formula = self.formula;
+        let formula = formula.map(|part| Formula::full(painter, part, theme::CAPTION, p.text));
+        let below = formula
+            .as_ref()
+            .map_or(0.0, |f| theme::CAPTION * 1.15 + f.size.y * 0.22);
+        let text = painter.layout(self.text.clone(), theme::body(), p.text, room);
+        let notes = self.notes.iter();
+        let notes: Vec<_> = notes
+            .map(|note| painter.layout(note.clone(), theme::small(), p.weak, room))
+            .collect();
+        let width = notes.iter().chain([&text]).map(|line| line.size().x);
+        let width = width.fold(formula.as_ref().map_or(0.0, |f| f.size.x), f32::max);
+        let heights = notes.iter().map(|note| note.size().y + 2.0);
+        let height = below + text.size().y + heights.sum::<f32>();
+        let spot = Rect::from_min_size(at, Vec2::new(width, height));
+        painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, theme::plate(p));
+        if let Some(formula) = formula {
+            formula.paint(painter, at);
+        }
+        let mut y = below + text.size().y + 2.0;
+        painter.galley(at + Vec2::new(0.0, below), text, p.text);
+        for note in notes {
+            let height = note.size().y;
+            painter.galley(at + Vec2::new(0.0, y), note, p.weak);
+            y += height + 2.0;
+        }
     }
 }
 
-/// What the method on screen cannot see of this part, if the picture is of it.
-fn blind_spots_of(session: &Session, settings: &ViewSettings) -> Option<String> {
+/// What the method on screen cannot see of a part, if the picture is of it.
+fn blind_spots_of(session: &Session, part: Part) -> Option<String> {
     let open = session.setup.open.as_ref()?;
-    if settings.is_difference || !session.is_current() {
+    if !session.is_current() {
         return None;
     }
     blind_spots::note(
         session.setup.method().sight,
         open.scene.appearance(),
-        settings.part,
+        part,
         session.picture.n_layers,
     )
 }

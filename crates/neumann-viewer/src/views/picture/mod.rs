@@ -2,16 +2,19 @@
 
 mod caption;
 mod hand;
+mod probed;
+mod shown;
 mod wipe;
 
 use egui::{Align2, Color32, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2};
-use neumann_core::radiometry::Rgb;
-use neumann_picture::Image;
-use neumann_picture::png_file::Pixels8;
 
+pub use self::probed::read;
+
+use self::caption::Caption;
 use super::{Needs, Row, Shown, Stage, View};
+use crate::compared::Compared;
 use crate::display::image_area::{self, Pictures, Placement};
-use crate::display::{Slot, ViewSettings, ground, legend, values};
+use crate::display::{Against, Slot, ViewSettings, ground, legend, values};
 use crate::probe::Reading;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
@@ -34,10 +37,16 @@ impl View for PictureView {
     fn draw(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
         let p = Palette::of(ui);
         let rect = stage.rect;
-        let caption = stage.settings.part.caption();
-        let (response, placement) = take_pointer(ui, stage, &format!("picture: {caption}"));
+        let compared = Compared::of(stage.session, stage.settings);
+        let caption = Caption::of(stage.session, stage.settings, &compared);
+        let size = compared.sides().map(|[a, _]| a.size);
+        let size = size.unwrap_or_else(|| stage.session.shown_size());
+        let (response, placement) = take_pointer(ui, stage, size, &caption.spoken());
         let session = &mut *stage.session;
         session.picture.compose(&session.link, stage.settings.part);
+        if matches!(stage.settings.difference, Some(Against::Reference)) {
+            session.picture.compose_reference(stage.settings.part);
+        }
         let covered = if session.picture.is_there() {
             placement.visible
         } else {
@@ -49,7 +58,7 @@ impl View for PictureView {
             return None;
         }
         let settings = &mut *stage.settings;
-        let pictures = pictures(session, settings);
+        let pictures = pictures(&compared);
         let painter = ui.painter().with_clip_rect(rect);
         let planes = &session.picture.planes;
         image_area::draw(&painter, &placement, settings, planes, pictures, 0);
@@ -60,52 +69,37 @@ impl View for PictureView {
                 values::show(&painter, &placement, film, settings.part, exposure);
             });
         }
-        if let Pictures::Wipe(..) = pictures {
-            wipe::show(ui, rect, &placement, session, settings);
+        if let Compared::Wipe(sides) = &compared {
+            wipe::show(ui, rect, &placement, sides, settings);
         }
-        caption::show(&painter, rect, session, settings, &p);
-        if settings.is_false_colour || settings.is_difference {
-            legend::show(&painter, rect, settings, &p);
+        caption.show(&painter, rect, &p);
+        let is_difference = matches!(compared, Compared::Difference(_));
+        if settings.is_false_colour || is_difference {
+            legend::show(&painter, rect, &settings.scale(is_difference), &p);
         }
         response.hover_pos()
     }
 
     fn probe(&self, at: Pos2, stage: &Stage<'_>) -> Option<Reading> {
         let fraction = stage.placement.as_ref()?.fraction(at)?;
-        Some(stage.session.link.read(|published| {
-            let divisor = published.divisor.max(1);
-            Reading::of_film(&published.film, stage.settings.part, fraction, divisor)
-        }))
+        Some(read(stage.session, stage.settings, fraction))
     }
 
     fn image(&self, session: &Session, settings: &ViewSettings) -> Option<Shown> {
-        if !session.picture.is_there() {
-            return None;
-        }
-        let image = session.link.read(|published| {
-            let film = &published.film;
-            let mut pixels = vec![Rgb::BLACK; film.width() * film.height()];
-            film.compose(settings.part, &mut pixels);
-            Image {
-                width: film.width(),
-                height: film.height(),
-                pixels,
-                ..Image::default()
-            }
-        });
-        let display = settings.display();
-        Some(Shown {
-            name: settings.part.to_string(),
-            pixels: Box::new(move || Pixels8::of(&image, &display)),
-        })
+        let is_there = session.picture.is_there();
+        is_there.then(|| shown::image(session, settings))
     }
 }
 
-/// Places the film on the stage, and lets the pointer act on it and on the camera; `name` is for
-/// whoever does not see it. Yields what the pointer does, and where the film stands.
-pub(super) fn take_pointer(ui: &Ui, stage: &mut Stage<'_>, name: &str) -> (Response, Placement) {
+/// Places a picture of `size` pixels on the stage, and lets the pointer act on it and on the camera; `name` is for
+/// whoever does not see it. Yields what the pointer does, and where the picture stands.
+pub(super) fn take_pointer(
+    ui: &Ui,
+    stage: &mut Stage<'_>,
+    size: (usize, usize),
+    name: &str,
+) -> (Response, Placement) {
     let rect = stage.rect;
-    let size = shown_size(stage.session);
     let place = |ui: &Ui, settings: &ViewSettings| {
         Placement::new(rect, ui.pixels_per_point(), size, settings)
     };
@@ -162,31 +156,10 @@ pub(super) fn fill_around(ui: &Ui, rect: Rect, covered: Rect, color: Color32) {
     }
 }
 
-/// Size at which the film stands on the screen: what was asked for, or, while the picture is of
-/// something older, its own.
-fn shown_size(session: &Session) -> (usize, usize) {
-    if session.is_current()
-        && session.setup.size != (0, 0)
-        && let Some(job) = session.link.started()
-    {
-        return (job.settings.width, job.settings.height);
-    }
-    let (w, h) = session.picture.size;
-    (w * session.picture.divisor, h * session.picture.divisor)
-}
-
-fn pictures(session: &Session, settings: &ViewSettings) -> Pictures {
-    let picture = &session.picture;
-    if settings.is_difference && picture.reference.is_some() {
-        Pictures::Difference(Slot::Live, Slot::Reference)
-    } else if settings.is_wiping && picture.held[0].is_some() {
-        let right = if picture.held[1].is_some() {
-            Slot::HeldB
-        } else {
-            Slot::Live
-        };
-        Pictures::Wipe(Slot::HeldA, right)
-    } else {
-        Pictures::One(Slot::Live)
+fn pictures(compared: &Compared) -> Pictures {
+    match compared {
+        Compared::Wipe([a, b]) => Pictures::Wipe(a.slot, b.slot),
+        Compared::Difference([a, b]) => Pictures::Difference(a.slot, b.slot),
+        Compared::Nothing | Compared::Refused(_) => Pictures::One(Slot::Live),
     }
 }

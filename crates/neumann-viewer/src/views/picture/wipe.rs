@@ -2,9 +2,9 @@
 
 use egui::{Align2, CursorIcon, Rect, Sense, Ui, Vec2, WidgetInfo, pos2};
 
+use crate::compared::Side;
 use crate::display::ViewSettings;
 use crate::display::image_area::Placement;
-use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
 
 /// Draws the line over the picture and lets it be dragged.
@@ -12,7 +12,7 @@ pub(super) fn show(
     ui: &Ui,
     rect: Rect,
     placement: &Placement,
-    session: &Session,
+    sides: &[Side; 2],
     settings: &mut ViewSettings,
 ) {
     let p = Palette::of(ui);
@@ -32,15 +32,14 @@ pub(super) fn show(
     }
     let painter = ui.painter().with_clip_rect(rect);
     painter.vline(x.round() + 0.5, grip.y_range(), (1.0, p.amber));
-    let live = session.label(settings.part);
-    let [a, b] = &session.picture.held;
-    let a = a.as_ref().map_or("", |held| held.label.as_str());
-    let b = b.as_ref().map_or(live.as_str(), |held| held.label.as_str());
+    let [a, b] = sides
+        .each_ref()
+        .map(|side| format!("{}  {}", side.name, side.label()));
     let y = placement.visible.bottom() - GRID;
     let (left, right) = (pos2(x - GRID, y), pos2(x + GRID, y));
     for (label, at, align) in [
-        (format!("A  {a}"), left, Align2::RIGHT_BOTTOM),
-        (format!("B  {b}"), right, Align2::LEFT_BOTTOM),
+        (a, left, Align2::RIGHT_BOTTOM),
+        (b, right, Align2::LEFT_BOTTOM),
     ] {
         let galley = painter.layout_no_wrap(label, theme::small(), p.text);
         let spot = align.anchor_size(at, galley.size());

@@ -388,6 +388,52 @@ fn the_camera_moves_and_comes_home() {
     );
 }
 
+/// The ground of the built-in `sky` is eighty metres wide, and its largest ball not two.
+#[test]
+fn all_is_framed_without_the_ground_and_the_wheel_changes_how_fast_one_flies() {
+    let mut harness = harness([1280.0, 720.0]);
+    let sky = builtin("sky").expect("a built-in scene");
+    let sky = sky.load().expect("a scene as it comes");
+    let scene = Arc::new(Scene::build(&sky));
+    harness
+        .state_mut()
+        .take_scene("sky".to_owned(), Arc::clone(&scene));
+    harness.run_steps(2);
+    press(&mut harness, Key::F);
+    let camera = |harness: &Harness<'_, App>| harness.state().session.setup.camera.clone().unwrap();
+    let framed = camera(&harness);
+    let distance = (framed.eye() - framed.target()).length();
+    assert!(distance > 3.0 && distance < 12.0, "{distance} m away");
+    let aimed = (framed.target() - Vec3::Y * framed.target().y).length();
+    assert!(aimed < 3.0, "at what stands there: {}", framed.target());
+
+    let step = |harness: &mut Harness<'_, App>| {
+        let before = camera(harness).eye();
+        press(harness, Key::D);
+        (camera(harness).eye() - before).length()
+    };
+    let slow = step(&mut harness);
+    assert!(slow > 0.0 && slow < distance / 4.0, "{slow} m");
+    let middle = harness.get_by_label_contains("picture: ").rect().center();
+    harness.hover_at(middle);
+    harness.key_down(Key::D);
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: egui::vec2(0.0, 4.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_steps(20);
+    harness.key_up(Key::D);
+    harness.run_steps(2);
+    let now = camera(&harness);
+    let apart = (now.eye() - now.target()).length();
+    assert!((apart - distance).abs() < 1e-3, "the wheel does not dolly");
+    let fast = step(&mut harness);
+    assert!(fast > 1.5 * slow, "{slow} m, then {fast} m");
+}
+
 #[test]
 fn a_light_can_be_switched_off_and_a_material_edited() {
     let mut harness = harness([1280.0, 2400.0]);

@@ -14,6 +14,7 @@ use neumann_core::scene::OpeningProgress;
 use neumann_picture::state::{EnvironmentState, State};
 
 use crate::display::ViewSettings;
+use crate::flight::Flight;
 use crate::keys;
 use crate::options::{Exposure, ViewOptions};
 use crate::render_link::RenderLink;
@@ -23,7 +24,8 @@ use crate::shell::{Command, Shell};
 use crate::status::{self, Status};
 use crate::viewing::Viewing;
 use crate::views::{self, Stage};
-use crate::{filmstrip, flight, help, panels, theme, top_bar};
+use crate::widgets::significant;
+use crate::{filmstrip, help, panels, theme, top_bar};
 
 /// All state of the window.
 pub struct App {
@@ -44,6 +46,7 @@ pub struct App {
     map_to_come: Option<EnvironmentState>,
     /// Size of texts in the last frame, and whether that was a presentation.
     look: (f32, bool),
+    flight: Flight,
 }
 
 /// How often the bar of a scene that is being opened is drawn anew.
@@ -103,6 +106,7 @@ impl App {
             loading: None,
             map_to_come: None,
             look: (1.0, false),
+            flight: Flight::default(),
         }
     }
 
@@ -134,7 +138,11 @@ impl App {
         for action in keys::take_actions(&ctx) {
             self.perform(&ctx, action);
         }
-        flight::steer(&ctx, &mut self.session.setup);
+        if self.flight.steer(&ctx, &mut self.session.setup) {
+            let speed = significant(f64::from(self.flight.speed()), 2);
+            let text = format!("Flying at {speed} scene radii a second");
+            self.shell.notices.remark_instead(&ctx, "Flying at ", text);
+        }
         self.session.refresh(&mut self.viewing.settings);
 
         let is_presenting = self.shell.is_presenting;

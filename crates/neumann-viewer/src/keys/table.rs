@@ -134,10 +134,11 @@ pub static HELP: &[HelpLine] = &[
     line(CAMERA, "wheel", "dolly", &[]),
     line(CAMERA, "Ctrl click", "focus the lens there", &[]),
     line(CAMERA, "W A S D", "fly; PgUp PgDn up and down", &[]),
+    line(CAMERA, "wheel with them", "fly faster, slower", &[]),
     line(
         CAMERA,
         "F",
-        "frame the whole scene",
+        "frame what the scene shows",
         &[on(NONE, Key::F, Action::FrameAll)],
     ),
     line(

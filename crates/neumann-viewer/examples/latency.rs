@@ -122,7 +122,7 @@ fn coarse_frames(link: &mut RenderLink, n_steps: u32) -> Vec<Duration> {
     let Some(mut job) = link.started().cloned() else {
         return Vec::new();
     };
-    let mut control = CameraControl::new(job.settings.camera.clone(), job.scene.bounds());
+    let mut control = CameraControl::new(job.settings.camera.clone(), job.scene.subject());
     (0..n_steps)
         .map(|i| {
             std::thread::sleep(Duration::from_millis(280 + u64::from(i * 37 % 101)));

@@ -16,7 +16,7 @@ pub struct CameraControl {
     eye: Vec3,
     target: Vec3,
     up: Vec3,
-    /// Half the diagonal of the scene: the measure of a step.
+    /// Half the diagonal of what the scene is about: the measure of a step.
     radius: f32,
     center: Vec3,
 }
@@ -25,7 +25,7 @@ pub struct CameraControl {
 const STEEPEST: f32 = 1.553;
 
 impl CameraControl {
-    /// Takes over a camera of a scene with the given bounds.
+    /// Takes over a camera of a scene that is about what is within the given bounds.
     #[must_use]
     pub fn new(camera: CameraDescription, bounds: (Vec3, Vec3)) -> Self {
         let center = (bounds.0 + bounds.1) * 0.5;
@@ -71,7 +71,7 @@ impl CameraControl {
         self.up
     }
 
-    /// Half the diagonal of the scene.
+    /// Half the diagonal of what the scene is about.
     #[must_use]
     pub fn radius(&self) -> f32 {
         self.radius
@@ -165,7 +165,7 @@ impl CameraControl {
         self.shift(world);
     }
 
-    /// Backs away until the whole scene is in view, looking in the same direction.
+    /// Backs away until all that the scene is about is in view, looking in the same direction.
     pub fn frame_all(&mut self, aspect: f32) {
         let forward = self.forward();
         let distance = match &mut self.camera.projection {

@@ -9,22 +9,46 @@ use crate::picture::Picture;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{focus_ring, segmented, segmented_width};
 
-/// Height that the filmstrip takes in a window of the given size.
-#[must_use]
-pub fn height(window: Vec2) -> f32 {
-    if is_folded(window) {
-        44.0
-    } else {
-        2.0 * row_height(window) + 3.0 * GRID
+/// What the filmstrip looks like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// One row, names and shares only.
+    Folded,
+    /// Two rows of pictures of that height, points.
+    Rows(f32),
+}
+
+impl Form {
+    /// What suits a window of that size.
+    #[must_use]
+    pub fn of(window: Vec2) -> Self {
+        if window.y < 640.0 || window.x < 1000.0 {
+            Self::Folded
+        } else if window.y < 960.0 {
+            Self::Rows(80.0)
+        } else {
+            Self::Rows(112.0)
+        }
     }
-}
 
-fn is_folded(window: Vec2) -> bool {
-    window.y < 640.0 || window.x < 1000.0
-}
+    /// What suits a window of that size when it is presented.
+    #[must_use]
+    pub fn presented(window: Vec2) -> Self {
+        if window.y < 360.0 || window.x < 640.0 {
+            Self::Folded
+        } else {
+            Self::Rows(72.0)
+        }
+    }
 
-fn row_height(window: Vec2) -> f32 {
-    if window.y < 960.0 { 80.0 } else { 112.0 }
+    /// Height that it takes, points.
+    #[must_use]
+    pub fn height(self) -> f32 {
+        match self {
+            Self::Folded => 44.0,
+            Self::Rows(height) => 2.0 * height + 3.0 * GRID,
+        }
+    }
 }
 
 /// Width of the names of the rows.
@@ -35,6 +59,7 @@ const MARGIN: f32 = 80.0;
 pub fn show(
     ui: &mut Ui,
     rect: Rect,
+    form: Form,
     picture: &Picture,
     settings: &mut ViewSettings,
     first_draw: usize,
@@ -43,14 +68,13 @@ pub fn show(
     theme::fill_panel(ui, rect);
     ui.painter()
         .hline(rect.x_range(), rect.top(), (1.0, p.line));
-    let window = ui.ctx().content_rect().size();
     let n_layers = picture.shares.len().saturating_sub(1).max(1);
     let n_layers = if picture.shares.is_empty() {
         8
     } else {
         n_layers
     };
-    if is_folded(window) {
+    let Form::Rows(row_height) = form else {
         chips(
             ui,
             rect.shrink2(Vec2::new(2.0 * GRID, GRID)),
@@ -59,9 +83,8 @@ pub fn show(
             n_layers,
         );
         return first_draw;
-    }
+    };
     let mut next_draw = first_draw;
-    let row_height = row_height(window);
     for (row, is_sum) in [(0.0, false), (1.0, true)] {
         let top = rect.top() + GRID + row * (row_height + GRID);
         row_name(
@@ -145,17 +168,19 @@ fn tile_of(
         .first()
         .map_or(1.0, |t| t.width as f32 / t.height.max(1) as f32);
     let bar_height = 3.0;
-    let has_text_below = aspect > 1.3;
-    let room = if has_text_below {
-        Vec2::new(inner.width(), inner.height() - 20.0 - bar_height)
-    } else {
-        Vec2::new(inner.width() - 60.0, inner.height() - bar_height - 2.0)
+    let largest_in = |room: Vec2| {
+        if room.x / room.y > aspect {
+            Vec2::new(room.y * aspect, room.y)
+        } else {
+            Vec2::new(room.x, room.x / aspect)
+        }
     };
-    let size = if room.x / room.y > aspect {
-        Vec2::new(room.y * aspect, room.y)
-    } else {
-        Vec2::new(room.x, room.x / aspect)
-    };
+    let below = Vec2::new(inner.width(), inner.height() - 20.0 - bar_height);
+    let beside = Vec2::new(inner.width() - 60.0, inner.height() - bar_height - 2.0);
+    // The text stands where it leaves the picture more room.
+    let has_text_below = aspect > 1.3 || largest_in(below).x > largest_in(beside).x;
+    let room = if has_text_below { below } else { beside };
+    let size = largest_in(room);
     let image = if has_text_below {
         let center = pos2(inner.center().x, inner.top() + room.y / 2.0);
         Rect::from_center_size(center, size)

@@ -71,7 +71,11 @@ impl Page {
                 }),
             }
         }
-        let n_columns = if window.x >= 1100.0 { 3 } else { 2 };
+        let n_columns = match window.x {
+            x if x >= 1100.0 => 3,
+            x if x >= 2.0 * COLUMN => 2,
+            _ => 1,
+        };
         Self {
             columns: columns(groups, n_columns),
             row: if window.y < 700.0 { 18.0 } else { 22.0 },

@@ -46,6 +46,12 @@ impl Notices {
         self.push(text.into(), None, Some(until));
     }
 
+    /// As [`Self::remark`], in place of those that begin alike.
+    pub fn remark_instead(&mut self, ctx: &Context, beginning: &str, text: String) {
+        self.entries.retain(|n| !n.text.starts_with(beginning));
+        self.remark(ctx, text);
+    }
+
     fn push(&mut self, text: String, offer: Option<(&'static str, Offer)>, until: Option<f64>) {
         self.entries.retain(|n| n.text != text);
         self.entries.push(Notice { text, offer, until });

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::memory;
+
 /// Paths of scenes and states, latest first.
 #[derive(Clone, Debug, Default)]
 pub struct Recent {
@@ -16,7 +18,7 @@ impl Recent {
     /// Those of earlier runs.
     #[must_use]
     pub fn load() -> Self {
-        let file = config_folder().map(|folder| folder.join("neumann").join("recent.txt"));
+        let file = memory::file("recent.txt");
         let text = file
             .as_ref()
             .and_then(|file| std::fs::read_to_string(file).ok())
@@ -40,27 +42,8 @@ impl Recent {
         self.paths.retain(|p| *p != path);
         self.paths.insert(0, path);
         self.paths.truncate(N_KEPT);
-        let Some(file) = &self.file else { return };
-        // A list that cannot be kept is no reason to trouble anybody.
-        let _ = file
-            .parent()
-            .map_or(Ok(()), std::fs::create_dir_all)
-            .and_then(|()| std::fs::write(file, self.paths.join("\n") + "\n"));
-    }
-}
-
-/// Where programs keep what they remember about their user.
-fn config_folder() -> Option<PathBuf> {
-    let var = |name| {
-        std::env::var_os(name)
-            .map(PathBuf::from)
-            .filter(|p| p.is_absolute())
-    };
-    if cfg!(target_os = "windows") {
-        var("APPDATA")
-    } else if cfg!(target_os = "macos") {
-        var("HOME").map(|home| home.join("Library/Application Support"))
-    } else {
-        var("XDG_CONFIG_HOME").or_else(|| var("HOME").map(|home| home.join(".config")))
+        if let Some(file) = &self.file {
+            memory::keep(file, &(self.paths.join("\n") + "\n"));
+        }
     }
 }

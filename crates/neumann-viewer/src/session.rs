@@ -179,6 +179,12 @@ impl Session {
         None
     }
 
+    /// The room has changed because texts did, which is no reason to begin even a young film anew.
+    pub fn keep_size_in(&mut self, room: egui::Vec2) {
+        self.room.fitting = self.setup.size_for(room);
+        self.room.changed = None;
+    }
+
     /// True if another size of the film would fit the room for it better.
     #[must_use]
     pub fn can_fit(&self) -> bool {

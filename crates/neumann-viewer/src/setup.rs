@@ -137,7 +137,7 @@ impl Setup {
         self.camera = scene
             .cameras()
             .first()
-            .map(|camera| CameraControl::new(camera.clone(), scene.bounds()));
+            .map(|camera| CameraControl::new(camera.clone(), scene.subject()));
         self.sky = None;
         self.open = Some(OpenScene {
             source,

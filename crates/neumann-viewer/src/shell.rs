@@ -13,6 +13,7 @@ use crate::notices::Notices;
 use crate::panels::Page;
 use crate::recent::Recent;
 use crate::scene_source::Background;
+use crate::text_scale::TextScale;
 
 /// What stands around the picture.
 pub struct Shell {
@@ -20,6 +21,10 @@ pub struct Shell {
     pub page: Page,
     /// Bars, panel and filmstrip are hidden.
     pub is_bare: bool,
+    /// Picture, caption, method and filmstrip are shown alone and large.
+    pub is_presenting: bool,
+    /// How large texts are.
+    pub text_scale: TextScale,
     /// The help page is shown.
     pub is_help_open: bool,
     /// What the keyboard prints, for the help page.
@@ -86,6 +91,8 @@ impl Shell {
         Self {
             page: Page::default(),
             is_bare: false,
+            is_presenting: false,
+            text_scale: TextScale::default(),
             is_help_open: false,
             places: Places::default(),
             is_menu_open: false,
@@ -99,6 +106,13 @@ impl Shell {
             had_focus: false,
             commands: Vec::new(),
         }
+    }
+
+    /// Shows a page of the panel, whatever has hidden it.
+    pub fn show_page(&mut self, page: Page) {
+        self.is_bare = false;
+        self.is_presenting = false;
+        self.page = page;
     }
 
     /// Asks for what a key would do.

@@ -3,7 +3,7 @@
 use egui::{
     Align, Align2, Area, Frame, Id, Layout, Margin, Order, Rect, Stroke, Ui, UiBuilder, Vec2, pos2,
 };
-use neumann_core::integrator::METHODS;
+use neumann_core::integrator::{METHODS, Method};
 
 use crate::keys::Action;
 use crate::panels::Page;
@@ -28,6 +28,34 @@ pub fn show(ui: &mut Ui, rect: Rect, session: &mut Session, shell: &mut Shell) {
     );
     methods(ui, rect, room, &mut session.setup, &mut shell.is_menu_open);
 }
+
+/// Draws the method alone into `rect`, for whoever sits far away.
+pub fn present(ui: &mut Ui, rect: Rect, method: &Method, bias: Option<&str>) {
+    let p = Palette::of(ui);
+    theme::fill_panel(ui, rect);
+    ui.painter()
+        .hline(rect.x_range(), rect.bottom() - 0.5, (1.0, p.line));
+    let painter = ui.painter_at(rect);
+    let mut x = rect.left() + 2.0 * GRID;
+    let mut write = |text: &str, font, color| {
+        let galley = painter.layout_no_wrap(text.to_owned(), font, color);
+        let at = pos2(x, rect.center().y - galley.size().y / 2.0);
+        x += galley.size().x + 1.5 * GRID;
+        painter.galley(at, galley, color);
+    };
+    write(method.name, theme::sized(PRESENTED), p.text);
+    write(method.id, theme::sized(PRESENTED), p.weak);
+    if bias.is_some() {
+        write("biased", theme::sized(PRESENTED), p.amber);
+    }
+    let response = ui.interact(rect, ui.scope_id().with("method"), egui::Sense::hover());
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::Label, true, format!("method: {}", method.name))
+    });
+}
+
+/// Size of the method's name when it is presented, points.
+const PRESENTED: f32 = 18.0;
 
 fn scene_button(ui: &mut Ui, rect: Rect, setup: &Setup, page: &mut Page) -> Rect {
     let p = Palette::of(ui);

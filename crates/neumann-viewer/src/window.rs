@@ -24,6 +24,7 @@ use crate::recent::Recent;
 use crate::render_link::RenderLink;
 use crate::shell::WindowRequest;
 use crate::surface::Surface;
+use crate::text_scale::TextScale;
 
 /// What reaches the window beside winit's own events.
 #[derive(Debug)]
@@ -146,6 +147,7 @@ impl Handler<'_> {
             let _ = proxy.send_event(Event::Wake);
         });
         app.shell.recent = Recent::load();
+        app.shell.text_scale = TextScale::load();
         app.shell.places = Places::of_display();
         app.open_first_scene();
         // The scene is read while the graphics device gets ready.

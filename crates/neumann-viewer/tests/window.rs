@@ -353,6 +353,72 @@ fn panels_and_window_change_their_size_and_the_film_keeps_its_own() {
     assert_eq!(harness.state().session.setup.size, room);
 }
 
+/// A film of a tenth of a second, which follows the room when that has come to rest.
+fn app_with_young_film() -> App {
+    let mut published = published();
+    published.stats.seconds = 0.1;
+    app_of(published, ViewOptions::default())
+}
+
+fn rest(harness: &mut Harness<'_, App>) {
+    for _ in 0..2 {
+        harness.run_steps(3);
+        std::thread::sleep(std::time::Duration::from_millis(250));
+    }
+    harness.run_steps(3);
+}
+
+#[test]
+fn text_grows_and_shrinks_and_even_a_young_film_stays() {
+    let mut harness = harness_of([1280.0, 720.0], app_with_young_film());
+    let size = harness.state().session.setup.size;
+    let mut factor_after = |key: Key, n: usize| {
+        for _ in 0..n {
+            harness.key_press_modifiers(Modifiers::COMMAND, key);
+            harness.run_steps(2);
+        }
+        rest(&mut harness);
+        assert_eq!(harness.state().session.setup.size, size);
+        assert_eq!(harness.state().session.link.n_starts(), 1);
+        harness.ctx.zoom_factor()
+    };
+    assert!((factor_after(Key::Plus, 3) - 1.3).abs() < 1e-6);
+    assert!((factor_after(Key::Minus, 5) - 0.8).abs() < 1e-6);
+    assert!((factor_after(Key::Num0, 1) - 1.0).abs() < 1e-6);
+    let most = factor_after(Key::Equals, 40);
+    assert!(most > 2.0 && most < 3.0, "bars keep their room: {most}");
+    assert!((factor_after(Key::Minus, 40) - 0.5).abs() < 1e-6);
+    // The window's own size is another matter.
+    harness.set_size(egui::vec2(1000.0, 640.0));
+    rest(&mut harness);
+    assert_ne!(harness.state().session.setup.size, size);
+}
+
+#[test]
+fn presenting_shows_method_and_filmstrip_alone_and_large_and_keeps_the_samples() {
+    let mut harness = harness_of([1920.0, 1080.0], app_with_young_film());
+    let has = |harness: &Harness<'_, App>, label: &str| harness.query_by_label(label).is_some();
+    let method = format!("method: {}", METHODS[3].name);
+    assert_eq!(harness.state().session.setup.method(), METHODS[3]);
+    press(&mut harness, Key::F5);
+    rest(&mut harness);
+    assert!(harness.ctx.zoom_factor() >= 2.0);
+    assert!(has(&harness, &method) && has(&harness, "term T^2 L_e"));
+    assert!(!has(&harness, "pause") && !has(&harness, "Scene"));
+    click(&mut harness, "sum up to 3");
+    assert_eq!(harness.state().viewing.settings.part, View::Upto(3));
+    assert_eq!(harness.state().session.link.n_starts(), 1);
+    press(&mut harness, Key::Escape);
+    rest(&mut harness);
+    assert!(has(&harness, "pause") && !has(&harness, &method));
+    assert_eq!(harness.ctx.zoom_factor(), 1.0);
+    assert_eq!(harness.state().session.link.n_starts(), 1);
+    // A page that is asked for is shown.
+    press(&mut harness, Key::F5);
+    press(&mut harness, Key::F2);
+    assert!(!harness.state().shell.is_presenting);
+}
+
 #[test]
 fn display_keys_do_not_render_anew() {
     let mut harness = harness([1280.0, 720.0]);
@@ -380,6 +446,52 @@ fn the_camera_moves_and_comes_home() {
         harness.state().session.setup.camera.as_ref().unwrap().eye(),
         home
     );
+}
+
+/// The ground of the built-in `sky` is eighty metres wide, and its largest ball not two.
+#[test]
+fn all_is_framed_without_the_ground_and_the_wheel_changes_how_fast_one_flies() {
+    let mut harness = harness([1280.0, 720.0]);
+    let sky = builtin("sky").expect("a built-in scene");
+    let sky = sky.load().expect("a scene as it comes");
+    let scene = Arc::new(Scene::build(&sky));
+    harness
+        .state_mut()
+        .take_scene("sky".to_owned(), Arc::clone(&scene));
+    harness.run_steps(2);
+    press(&mut harness, Key::F);
+    let camera = |harness: &Harness<'_, App>| harness.state().session.setup.camera.clone().unwrap();
+    let framed = camera(&harness);
+    let distance = (framed.eye() - framed.target()).length();
+    assert!(distance > 3.0 && distance < 12.0, "{distance} m away");
+    let aimed = (framed.target() - Vec3::Y * framed.target().y).length();
+    assert!(aimed < 3.0, "at what stands there: {}", framed.target());
+
+    let step = |harness: &mut Harness<'_, App>| {
+        let before = camera(harness).eye();
+        press(harness, Key::D);
+        (camera(harness).eye() - before).length()
+    };
+    let slow = step(&mut harness);
+    assert!(slow > 0.0 && slow < distance / 4.0, "{slow} m");
+    let middle = harness.get_by_label_contains("picture: ").rect().center();
+    harness.hover_at(middle);
+    harness.key_down(Key::D);
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Line,
+        delta: egui::vec2(0.0, 4.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_steps(20);
+    harness.key_up(Key::D);
+    harness.run_steps(2);
+    let now = camera(&harness);
+    let apart = (now.eye() - now.target()).length();
+    assert!((apart - distance).abs() < 1e-3, "the wheel does not dolly");
+    let fast = step(&mut harness);
+    assert!(fast > 1.5 * slow, "{slow} m, then {fast} m");
 }
 
 #[test]

@@ -8,6 +8,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::description::{InstanceDescription, MeshDescription, SceneDescription};
 use super::geometry::{self, Geometry, MeshArrays, MeshPlacement, PlacedMesh};
+use super::subject::{Corners, subject};
 use super::{OpeningProgress, OpeningStep};
 use crate::accel::{Bvh, TreeQuality};
 
@@ -124,8 +125,10 @@ impl Builder<'_> {
     fn finish(mut self, shared: &[&InstanceDescription], quality: TreeQuality) -> (Geometry, Bvh) {
         let first_instance = self.meshes.len();
         let mut n_triangles = self.n_triangles;
-        let corners = self.meshes.iter().flat_map(PlacedMesh::triangles);
-        let (mut min, mut max) = bounds_of(corners.flatten());
+        let mut boxes = Boxes::default();
+        for mesh in &self.meshes {
+            boxes.add(mesh.object, bounds_of(mesh.triangles().flatten()));
+        }
         // A mesh and its mirror image, whose triangles are wound the other way, are two.
         let mut numbers = HashMap::new();
         let mut arrays: Vec<Option<Arc<MeshArrays>>> = Vec::new();
@@ -169,8 +172,8 @@ impl Builder<'_> {
                 ));
                 continue;
             }
-            (min, max) = (min.min(low), max.max(high));
             let object = self.object(instance);
+            boxes.add(object, (low, high));
             self.meshes.push(PlacedMesh {
                 object,
                 name: name_of(instance, mesh).clone(),
@@ -181,9 +184,9 @@ impl Builder<'_> {
             });
             n_triangles += shared.triangles.len();
         }
-        if n_triangles == 0 {
-            (min, max) = (Vec3::NEG_ONE, Vec3::ONE);
-        }
+        let nothing = (Vec3::NEG_ONE, Vec3::ONE);
+        let subject = subject(&boxes.objects).unwrap_or(nothing);
+        let (min, max) = boxes.all().unwrap_or(nothing);
         let tree = geometry::tree(&self.meshes, first_instance, quality);
         // Only now, as the tree takes most memory while it is built.
         let mut facets = Vec::with_capacity(self.n_triangles);
@@ -197,8 +200,32 @@ impl Builder<'_> {
             n_triangles,
             min,
             max,
+            subject,
         };
         (geometry, tree)
+    }
+}
+
+/// Boxes of objects, by their numbers.
+#[derive(Default)]
+struct Boxes {
+    objects: Vec<Corners>,
+}
+
+impl Boxes {
+    /// Adds a mesh to the box of its object.
+    fn add(&mut self, object: u32, (low, high): Corners) {
+        let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let length = self.objects.len().max(object as usize + 1);
+        self.objects.resize(length, empty);
+        let (min, max) = self.objects[object as usize];
+        self.objects[object as usize] = (min.min(low), max.max(high));
+    }
+
+    /// The box around all of them.
+    fn all(&self) -> Option<Corners> {
+        let boxes = self.objects.iter().copied();
+        boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 }
 

@@ -23,6 +23,8 @@ pub struct Geometry {
     pub(super) n_triangles: usize,
     pub(super) min: Vec3,
     pub(super) max: Vec3,
+    /// Corners of the box around what the scene is about.
+    pub(super) subject: (Vec3, Vec3),
 }
 
 /// What every hit of a triangle needs of it, in one line of cache.

@@ -17,6 +17,7 @@ mod progress;
 mod scene;
 mod sky;
 mod specular_casters;
+mod subject;
 
 pub use appearance::{Appearance, Backs, Level};
 pub use builtin::open;

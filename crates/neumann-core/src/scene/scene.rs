@@ -386,6 +386,13 @@ impl Scene {
         (self.geometry.min, self.geometry.max)
     }
 
+    /// Corners of the box around what the scene is about: its bounds, without grounds that dwarf
+    /// all that stands on them.
+    #[must_use]
+    pub fn subject(&self) -> (Vec3, Vec3) {
+        self.geometry.subject
+    }
+
     /// What its file had beside the scene itself.
     #[must_use]
     pub fn report(&self) -> &LoadReport {

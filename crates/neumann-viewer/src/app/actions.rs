@@ -47,8 +47,7 @@ impl App {
             Action::FitFilm => self.session.fit(),
             Action::FrameAll | Action::ResetCamera => self.move_camera(action),
             Action::Open => {
-                self.shell.is_bare = false;
-                self.shell.page = Page::Scene;
+                self.shell.show_page(Page::Scene);
                 self.shell.background.choose(Wanted::Scene);
             }
             Action::SavePng => save::png(&self.session, &self.viewing, &mut self.shell),
@@ -59,10 +58,15 @@ impl App {
             }
             Action::Copy => save::copy(ctx, &self.session, &self.viewing, &mut self.shell),
             Action::CopyCommand => self.copy_command(ctx),
+            Action::Panels if self.shell.is_presenting => self.shell.is_presenting = false,
             Action::Panels => self.shell.is_bare = !self.shell.is_bare,
-            Action::Panel(i) => {
-                self.shell.is_bare = false;
-                self.shell.page = Page::ALL[i.min(Page::ALL.len() - 1)];
+            Action::Panel(i) => self.shell.show_page(Page::ALL[i.min(Page::ALL.len() - 1)]),
+            Action::Present => self.shell.is_presenting = !self.shell.is_presenting,
+            Action::TextScale(tenths) => {
+                self.shell.text_scale.step(tenths);
+                let percent = 100.0 * self.shell.text_scale.factor();
+                let text = format!("Text at {percent:.0} % of its usual size");
+                self.shell.notices.remark_instead(ctx, "Text at ", text);
             }
             Action::Controls => ctx.memory_mut(|m| m.move_focus(FocusDirection::Next)),
             Action::Theme => {
@@ -200,6 +204,8 @@ impl App {
         } else if self.viewing.settings.zoom.is_some() {
             self.viewing.settings.zoom = None;
             self.viewing.settings.center = [0.5, 0.5];
+        } else if self.shell.is_presenting {
+            self.shell.is_presenting = false;
         } else {
             self.shell.is_bare = false;
         }

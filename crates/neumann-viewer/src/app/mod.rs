@@ -15,6 +15,7 @@ use neumann_picture::state::{EnvironmentState, State};
 
 use crate::compared::Compared;
 use crate::display::ViewSettings;
+use crate::flight::Flight;
 use crate::keys;
 use crate::options::{Exposure, ViewOptions};
 use crate::render_link::RenderLink;
@@ -24,7 +25,8 @@ use crate::shell::{Command, Shell};
 use crate::status::{self, Status};
 use crate::viewing::Viewing;
 use crate::views::{self, Stage, VIEWS};
-use crate::{filmstrip, flight, help, panels, save, theme, top_bar};
+use crate::widgets::significant;
+use crate::{filmstrip, help, panels, save, theme, top_bar};
 
 /// All state of the window.
 pub struct App {
@@ -43,6 +45,9 @@ pub struct App {
     loading: Option<Loading>,
     /// Level and turn of a map that is still being read.
     map_to_come: Option<EnvironmentState>,
+    /// Size of texts in the last frame, and whether that was a presentation.
+    look: (f32, bool),
+    flight: Flight,
 }
 
 /// How often the bar of a scene that is being opened is drawn anew.
@@ -101,6 +106,8 @@ impl App {
             exposes_by_itself: false,
             loading: None,
             map_to_come: None,
+            look: (1.0, false),
+            flight: Flight::default(),
         }
     }
 
@@ -132,16 +139,28 @@ impl App {
         for action in keys::take_actions(&ctx) {
             self.perform(&ctx, action);
         }
-        flight::steer(&ctx, &mut self.session.setup);
+        if self.flight.steer(&ctx, &mut self.session.setup) {
+            let speed = significant(f64::from(self.flight.speed()), 2);
+            let text = format!("Flying at {speed} scene radii a second");
+            self.shell.notices.remark_instead(&ctx, "Flying at ", text);
+        }
         self.session.refresh(&mut self.viewing.settings);
 
-        let stage = if self.shell.is_bare {
+        let is_presenting = self.shell.is_presenting;
+        self.shell.text_scale.apply(&ctx, is_presenting);
+        let stage = if is_presenting {
+            self.presentation(ui)
+        } else if self.shell.is_bare {
             ctx.content_rect()
         } else {
             self.surroundings(ui)
         };
         let room = stage.size() * ctx.pixels_per_point();
-        if let Some(rest) = self.session.follow_room(room) {
+        let look = (ctx.zoom_factor(), is_presenting);
+        let looks_different = std::mem::replace(&mut self.look, look) != look;
+        if looks_different && !self.session.setup.is_changed {
+            self.session.keep_size_in(room);
+        } else if let Some(rest) = self.session.follow_room(room) {
             ctx.request_repaint_after(rest);
         }
         let viewing = &mut self.viewing;
@@ -189,22 +208,7 @@ impl App {
         top_bar::show(ui, top, &mut self.session, &mut self.shell);
         self.obey(ui.ctx());
         let bottom = Rect::from_min_max(pos2(window.left(), window.bottom() - STATUS), window.max);
-        let strip_top = bottom.top() - filmstrip::height(window.size());
-        let strip = Rect::from_min_max(
-            pos2(window.left(), strip_top),
-            pos2(window.right(), bottom.top()),
-        );
-        let n_draws = filmstrip::show(
-            ui,
-            strip,
-            &self.session.picture,
-            &mut self.viewing.settings,
-            views::N_DRAWS,
-        );
-        debug_assert!(
-            n_draws <= crate::display::MAX_DRAWS,
-            "room for all draw calls"
-        );
+        let strip = self.strip(ui, bottom.top(), filmstrip::Form::of(window.size()));
         let panel_width = if window.width() < 800.0 { 240.0 } else { PANEL };
         let panel = Rect::from_min_max(
             pos2(window.right() - panel_width, top.bottom()),
@@ -223,6 +227,42 @@ impl App {
             pos2(window.left(), top.bottom()),
             pos2(panel.left(), strip.top()),
         )
+    }
+
+    /// Draws what a lecture room is to see: the method above, the filmstrip below; yields what they
+    /// leave for the picture.
+    fn presentation(&mut self, ui: &mut Ui) -> Rect {
+        let window = ui.ctx().content_rect();
+        let top = Rect::from_min_max(window.min, pos2(window.right(), window.top() + TOP));
+        top_bar::present(ui, top, self.session.setup.method(), self.session.bias());
+        let form = filmstrip::Form::presented(window.size());
+        let strip = self.strip(ui, window.bottom(), form);
+        Rect::from_min_max(
+            pos2(window.left(), top.bottom()),
+            pos2(window.right(), strip.top()),
+        )
+    }
+
+    /// Draws the filmstrip above `bottom`; yields where it stands.
+    fn strip(&mut self, ui: &mut Ui, bottom: f32, form: filmstrip::Form) -> Rect {
+        let window = ui.ctx().content_rect();
+        let strip = Rect::from_min_max(
+            pos2(window.left(), bottom - form.height()),
+            pos2(window.right(), bottom),
+        );
+        let n_draws = filmstrip::show(
+            ui,
+            strip,
+            form,
+            &self.session.picture,
+            &mut self.viewing.settings,
+            views::N_DRAWS,
+        );
+        debug_assert!(
+            n_draws <= crate::display::MAX_DRAWS,
+            "room for all draw calls"
+        );
+        strip
     }
 
     /// Does what bars and panels have asked for.

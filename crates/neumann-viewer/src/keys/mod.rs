@@ -82,6 +82,10 @@ pub enum Action {
     Controls,
     /// Light or dark.
     Theme,
+    /// Text larger by so many tenths; 0 brings back the usual size.
+    TextScale(i32),
+    /// Picture, caption, method and filmstrip alone, large; or no longer.
+    Present,
     /// The help page.
     Help,
     /// Fill the screen.
@@ -195,7 +199,7 @@ fn same(held: Modifiers, wanted: Modifiers) -> bool {
 fn is_function_key(key: Key) -> bool {
     matches!(
         key,
-        Key::F1 | Key::F2 | Key::F3 | Key::F4 | Key::F6 | Key::F11
+        Key::F1 | Key::F2 | Key::F3 | Key::F4 | Key::F5 | Key::F6 | Key::F11
     )
 }
 

@@ -134,10 +134,11 @@ pub static HELP: &[HelpLine] = &[
     line(CAMERA, "wheel", "dolly", &[]),
     line(CAMERA, "Ctrl click", "focus the lens there", &[]),
     line(CAMERA, "W A S D", "fly; PgUp PgDn up and down", &[]),
+    line(CAMERA, "wheel with them", "fly faster, slower", &[]),
     line(
         CAMERA,
         "F",
-        "frame the whole scene",
+        "frame what the scene shows",
         &[on(NONE, Key::F, Action::FrameAll)],
     ),
     line(
@@ -276,6 +277,12 @@ pub static HELP: &[HelpLine] = &[
     ),
     line(
         WINDOW,
+        "F5",
+        "present: large, without panels",
+        &[on(NONE, Key::F5, Action::Present)],
+    ),
+    line(
+        WINDOW,
         "F6",
         "to the controls; Esc leaves",
         &[on(NONE, Key::F6, Action::Controls)],
@@ -285,6 +292,18 @@ pub static HELP: &[HelpLine] = &[
         "Ctrl T",
         "light or dark",
         &[on(CTRL, Key::T, Action::Theme)],
+    ),
+    line(
+        WINDOW,
+        "Ctrl +  −  0",
+        "text larger, smaller, as usual",
+        &[
+            on(CTRL, Key::Plus, Action::TextScale(1)),
+            on(CTRL.plus(SHIFT), Key::Plus, Action::TextScale(1)),
+            on(CTRL, Key::Equals, Action::TextScale(1)),
+            on(CTRL, Key::Minus, Action::TextScale(-1)),
+            on(CTRL, Key::Num0, Action::TextScale(0)),
+        ],
     ),
     line(
         WINDOW,

@@ -84,14 +84,20 @@ fn ground(ui: &Ui) -> egui::Color32 {
 pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize) -> Option<usize> {
     let p = Palette::of(ui);
     let (bar, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), 32.0), Sense::hover());
-    let mut x = bar.left();
-    let mut clicked = None;
-    for (i, label) in labels.iter().enumerate() {
+    let width = |label: &&str| {
         let galley = ui
             .painter()
             .layout_no_wrap((*label).to_owned(), theme::body(), p.text);
-        let rect = Rect::from_min_size(pos2(x, bar.top()), Vec2::new(galley.size().x, 32.0));
-        x = rect.right() + 2.0 * GRID;
+        galley.size().x
+    };
+    let widths: Vec<f32> = labels.iter().map(width).collect();
+    let spare = bar.width() - widths.iter().sum::<f32>();
+    let gap = (spare / labels.len().saturating_sub(1).max(1) as f32).clamp(GRID, 2.0 * GRID);
+    let mut x = bar.left();
+    let mut clicked = None;
+    for (i, (label, width)) in labels.iter().zip(widths).enumerate() {
+        let rect = Rect::from_min_size(pos2(x, bar.top()), Vec2::new(width, 32.0));
+        x = rect.right() + gap;
         let response = ui.interact(
             rect.expand2(Vec2::new(GRID / 2.0, 0.0)),
             ui.scope_id().with(("tab", i)),

@@ -1,0 +1,33 @@
+//! What the window remembers from one start to the next: small text files in the user's folder of
+//! settings.
+
+use std::path::PathBuf;
+
+/// Path of a file of that name; `None` where there is no such folder.
+pub(crate) fn file(name: &str) -> Option<PathBuf> {
+    config_folder().map(|folder| folder.join("neumann").join(name))
+}
+
+/// Writes such a file. What cannot be kept is no reason to trouble anybody.
+pub(crate) fn keep(file: &std::path::Path, text: &str) {
+    let _ = file
+        .parent()
+        .map_or(Ok(()), std::fs::create_dir_all)
+        .and_then(|()| std::fs::write(file, text));
+}
+
+/// Where programs keep what they remember about their user.
+fn config_folder() -> Option<PathBuf> {
+    let var = |name| {
+        std::env::var_os(name)
+            .map(PathBuf::from)
+            .filter(|p| p.is_absolute())
+    };
+    if cfg!(target_os = "windows") {
+        var("APPDATA")
+    } else if cfg!(target_os = "macos") {
+        var("HOME").map(|home| home.join("Library/Application Support"))
+    } else {
+        var("XDG_CONFIG_HOME").or_else(|| var("HOME").map(|home| home.join(".config")))
+    }
+}

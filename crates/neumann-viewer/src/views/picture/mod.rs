@@ -72,7 +72,7 @@ impl View for PictureView {
         if let Compared::Wipe(sides) = &compared {
             wipe::show(ui, rect, &placement, sides, settings);
         }
-        caption.show(&painter, rect, &p);
+        stage.caption = caption.show(&painter, rect, &p);
         let is_difference = matches!(compared, Compared::Difference(_));
         if settings.is_false_colour || is_difference {
             legend::show(&painter, rect, &settings.scale(is_difference), &p);

@@ -539,6 +539,7 @@ fn a_difference_holds_each_part_against_the_same_part() {
         assert!(says(&harness, &format!("picture:  L · {}", here.words())));
         let there = format!("even.exr:  L · {} · 512 iterations · 12.0 s", here.method);
         assert!(says(&harness, &there), "{there}");
+        assert!(!says(&harness, "cameras"));
         for (key, modifiers, expected, name) in [
             (Key::Num2, Modifiers::NONE, 0.25, "T2"),
             (Key::Num3, Modifiers::SHIFT, 1.875, "upto:3"),
@@ -587,6 +588,15 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
     let path = folder.write("other.exr", &even_film(96, 96), &other);
     load(&mut harness, path);
     assert!(refusal(&harness).contains("'somewhere else'"));
+    // Seen by another camera: that is said, no more.
+    let elsewhere = Metadata {
+        camera: "perspective 1; pinhole; elsewhere".to_owned(),
+        ..metadata.clone()
+    };
+    let path = folder.write("elsewhere.exr", &even_film(96, 96), &elsewhere);
+    load(&mut harness, path);
+    assert!(matches!(compared(&harness), Compared::Difference(_)));
+    assert!(says(&harness, "seen by two different cameras"));
     // Without layers.
     let path = folder.0.join("plain.png");
     let pixels = Pixels8 {

@@ -12,8 +12,8 @@ use crate::widgets::significant;
 pub struct Reading {
     /// What it holds in words, its place first.
     pub lines: Vec<String>,
-    /// What each bounce has of it, tail last: luminance, or a number of photons. Empty where bounces
-    /// are not known.
+    /// What each bounce has of it, tail last: luminance, or a number of photons. Empty where that
+    /// is not known.
     pub bounces: Vec<f32>,
 }
 

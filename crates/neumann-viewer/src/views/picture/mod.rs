@@ -91,8 +91,9 @@ impl View for PictureView {
     }
 }
 
-/// Places a picture of `size` pixels on the stage, and lets the pointer act on it and on the camera; `name` is for
-/// whoever does not see it. Yields what the pointer does, and where the picture stands.
+/// Places a picture of `size` pixels on the stage, and lets the pointer act on it and on the
+/// camera; `name` is for whoever does not see it. Yields what the pointer does, and where the
+/// picture stands.
 pub(super) fn take_pointer(
     ui: &Ui,
     stage: &mut Stage<'_>,

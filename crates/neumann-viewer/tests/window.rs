@@ -649,6 +649,30 @@ fn what_is_held_can_be_subtracted() {
 }
 
 #[test]
+fn the_page_display_takes_what_is_held_as_the_reference() {
+    let mut harness = harness([1280.0, 1400.0]);
+    press(&mut harness, Key::F4);
+    assert_eq!(harness.state().shell.page, Page::Display);
+    press(&mut harness, Key::Num1);
+    click(&mut harness, "Hold as A");
+    press(&mut harness, Key::Num2);
+    click(&mut harness, "Hold as B");
+    click(&mut harness, "A − B");
+    let why = "No difference: A is T1, B is T2";
+    assert_eq!(compared(&harness), Compared::Refused(why.to_owned()));
+    assert!(says(&harness, why));
+    click(&mut harness, "Use B as reference");
+    assert!(says(&harness, "compared: picture − B"));
+    click(&mut harness, "Use A as reference");
+    let why = "No difference: the reference A has only T1, not T2";
+    assert_eq!(compared(&harness), Compared::Refused(why.to_owned()));
+    press(&mut harness, Key::Num1);
+    assert!(says(&harness, "compared: picture − A"));
+    click(&mut harness, "difference");
+    assert_eq!(compared(&harness), Compared::Nothing);
+}
+
+#[test]
 fn how_far_two_pictures_are_apart_is_measured_meanwhile() {
     let mut harness = harness([1280.0, 960.0]);
     let folder = Folder::new("measured");

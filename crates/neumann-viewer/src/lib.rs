@@ -4,10 +4,10 @@
 //! same for the window (`window`), for screenshots without a display ([`offscreen`]) and for tests.
 //! It holds a [`session`], which is what is rendered ([`setup`]), the line to the renderer
 //! ([`render_link`], the only file that talks to it) and the film ([`picture`]); how that is looked
-//! at ([`viewing`], [`display`]), beside what it is held against ([`compared`]); and the [`shell`] around it. [`views`] are what can stand on the
-//! stage, the picture first. [`filmstrip`], [`panels`], [`top_bar`] and [`status`] are the rest of
-//! what one sees; [`keys`] is the one table of keys. [`state`] writes down what has been chosen,
-//! and takes it up again.
+//! at ([`viewing`], [`display`]), beside what it is held against ([`compared`]); and the [`shell`]
+//! around it. [`views`] are what can stand on the stage, the picture first. [`filmstrip`],
+//! [`panels`], [`top_bar`] and [`status`] are the rest of what one sees; [`keys`] is the one table
+//! of keys. [`state`] writes down what has been chosen, and takes it up again.
 
 pub mod app;
 pub mod blind_spots;

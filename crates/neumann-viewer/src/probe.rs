@@ -12,8 +12,8 @@ use crate::widgets::significant;
 pub struct Reading {
     /// What it holds in words, its place first.
     pub lines: Vec<String>,
-    /// What each bounce has of it, tail last: luminance, or a number of photons. Empty where bounces
-    /// are not known.
+    /// What each bounce has of it, tail last: luminance, or a number of photons. Empty where that
+    /// is not known.
     pub bounces: Vec<f32>,
 }
 
@@ -52,8 +52,9 @@ impl Reading {
     }
 }
 
-/// Draws readings in the upper right corner of `rect`; the bars of `part` stand out.
-pub fn show(ui: &Ui, rect: Rect, reading: &Reading, part: Part) {
+/// Draws readings in the upper right corner of `rect`, or below the caption where they would cover
+/// that; the bars of `part` stand out.
+pub fn show(ui: &Ui, [rect, caption]: [Rect; 2], reading: &Reading, part: Part) {
     const LINE: f32 = 17.0;
     const BARS: f32 = 40.0;
     let p = Palette::of(ui);
@@ -74,13 +75,23 @@ pub fn show(ui: &Ui, rect: Rect, reading: &Reading, part: Part) {
         pos2(corner.x - width, corner.y),
         pos2(corner.x, corner.y + height),
     );
+    let spot = beside(spot, caption);
     let ground = theme::plate(&p);
     painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, ground);
     for (i, line) in lines.into_iter().enumerate() {
-        let at = pos2(corner.x - line.size().x, corner.y + i as f32 * LINE);
+        let at = pos2(spot.right() - line.size().x, spot.top() + i as f32 * LINE);
         painter.galley(at, line, p.text);
     }
     bounce_bars(&painter, spot, reading, part, &p);
+}
+
+/// The place for what would stand at `spot`: below the caption if it would cover that.
+fn beside(spot: Rect, caption: Rect) -> Rect {
+    if !spot.expand(GRID).intersects(caption) {
+        return spot;
+    }
+    let corner = pos2(caption.left() + GRID, caption.bottom() + 1.5 * GRID);
+    Rect::from_min_size(corner, spot.size())
 }
 
 /// What each bounce has of the pixel, as bars under the numbers.
@@ -112,5 +123,28 @@ fn bounce_bars(painter: &Painter, spot: Rect, reading: &Reading, part: Part, p: 
         };
         let at = pos2(bar.center().x, area.bottom() + 1.0);
         painter.text(at, Align2::CENTER_TOP, name, theme::sized(9.0), p.weak);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{Rect, pos2};
+
+    use super::beside;
+
+    #[test]
+    fn readings_leave_the_caption_alone() {
+        let rect = |x: f32, y: f32, right: f32, bottom: f32| {
+            Rect::from_min_max(pos2(x, y), pos2(right, bottom))
+        };
+        let caption = rect(8.0, 46.0, 250.0, 160.0);
+        let apart = rect(750.0, 50.0, 990.0, 180.0);
+        assert_eq!(beside(apart, caption), apart);
+        assert_eq!(beside(apart, Rect::NOTHING), apart);
+        let moved = beside(rect(130.0, 50.0, 380.0, 180.0), caption);
+        assert!(
+            !moved.intersects(caption) && moved.left() < 20.0,
+            "{moved:?}"
+        );
     }
 }

@@ -10,7 +10,7 @@ use neumann_core::film::{Film, View as Part};
 use neumann_core::integrator::Method;
 use neumann_core::render::RenderSettings;
 use neumann_core::scene::Scene;
-use neumann_picture::exr_file::{IterationRanges, Metadata};
+use neumann_picture::exr_file::{IterationRanges, Metadata, camera_text};
 
 use crate::compared::{Measuring, Origin, SceneName};
 use crate::display::ViewSettings;
@@ -29,12 +29,18 @@ pub struct Session {
     pub picture: Picture,
     /// How far it is from what it is compared with.
     pub measuring: Measuring,
-    /// What the picture was made by and of.
-    made: Option<(&'static Method, Arc<Scene>)>,
+    made: Option<Made>,
     /// Part of the series that was shown last.
     part: Part,
     room: Room,
     kept: Option<Kept>,
+}
+
+/// What the picture on screen was made by and of, and the camera as files write it down.
+struct Made {
+    method: &'static Method,
+    scene: Arc<Scene>,
+    camera: String,
 }
 
 /// The room for the film.
@@ -129,7 +135,11 @@ impl Session {
         if self.is_current()
             && let Some(job) = self.link.started()
         {
-            self.made = Some((job.settings.method, Arc::clone(&job.scene)));
+            self.made = Some(Made {
+                method: job.settings.method,
+                scene: Arc::clone(&job.scene),
+                camera: camera_text(&job.settings.camera),
+            });
         }
     }
 
@@ -211,12 +221,13 @@ impl Session {
     /// Where the picture on screen comes from; `None` before there is one.
     #[must_use]
     pub fn origin(&self) -> Option<Origin> {
-        let (method, scene) = self.made.as_ref()?;
+        let made = self.made.as_ref()?;
         Some(Origin {
-            method: method.title.to_owned(),
+            method: made.method.title.to_owned(),
             n_iterations: self.picture.stats.n_iterations,
             seconds: self.picture.stats.seconds,
-            scene: SceneName::of(scene),
+            scene: SceneName::of(&made.scene),
+            camera: made.camera.clone(),
         })
     }
 

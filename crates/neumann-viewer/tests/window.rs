@@ -706,6 +706,7 @@ fn a_difference_holds_each_part_against_the_same_part() {
         assert!(says(&harness, &format!("picture:  L · {}", here.words())));
         let there = format!("even.exr:  L · {} · 512 iterations · 12.0 s", here.method);
         assert!(says(&harness, &there), "{there}");
+        assert!(!says(&harness, "cameras"));
         for (key, modifiers, expected, name) in [
             (Key::Num2, Modifiers::NONE, 0.25, "T2"),
             (Key::Num3, Modifiers::SHIFT, 1.875, "upto:3"),
@@ -754,6 +755,15 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
     let path = folder.write("other.exr", &even_film(96, 96), &other);
     load(&mut harness, path);
     assert!(refusal(&harness).contains("'somewhere else'"));
+    // Seen by another camera: that is said, no more.
+    let elsewhere = Metadata {
+        camera: "perspective 1; pinhole; elsewhere".to_owned(),
+        ..metadata.clone()
+    };
+    let path = folder.write("elsewhere.exr", &even_film(96, 96), &elsewhere);
+    load(&mut harness, path);
+    assert!(matches!(compared(&harness), Compared::Difference(_)));
+    assert!(says(&harness, "seen by two different cameras"));
     // Without layers.
     let path = folder.0.join("plain.png");
     let pixels = Pixels8 {
@@ -803,6 +813,30 @@ fn what_is_held_can_be_subtracted() {
     }
     let why = "No wipe: A has 48×32 pixels, B (live) has 96×96".to_owned();
     assert_eq!(compared(&harness), Compared::Refused(why));
+}
+
+#[test]
+fn the_page_display_takes_what_is_held_as_the_reference() {
+    let mut harness = harness([1280.0, 1400.0]);
+    press(&mut harness, Key::F4);
+    assert_eq!(harness.state().shell.page, Page::Display);
+    press(&mut harness, Key::Num1);
+    click(&mut harness, "Hold as A");
+    press(&mut harness, Key::Num2);
+    click(&mut harness, "Hold as B");
+    click(&mut harness, "A − B");
+    let why = "No difference: A is T1, B is T2";
+    assert_eq!(compared(&harness), Compared::Refused(why.to_owned()));
+    assert!(says(&harness, why));
+    click(&mut harness, "Use B as reference");
+    assert!(says(&harness, "compared: picture − B"));
+    click(&mut harness, "Use A as reference");
+    let why = "No difference: the reference A has only T1, not T2";
+    assert_eq!(compared(&harness), Compared::Refused(why.to_owned()));
+    press(&mut harness, Key::Num1);
+    assert!(says(&harness, "compared: picture − A"));
+    click(&mut harness, "difference");
+    assert_eq!(compared(&harness), Compared::Nothing);
 }
 
 #[test]

@@ -170,6 +170,7 @@ impl App {
             session: &mut self.session,
             settings: &mut viewing.settings,
             placement: &mut viewing.placement,
+            caption: Rect::NOTHING,
             notices: &mut self.shell.notices,
             opening: self.loading.as_ref().map(|l| &l.progress),
         };

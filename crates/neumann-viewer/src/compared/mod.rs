@@ -114,13 +114,21 @@ impl Compared {
         }
     }
 
-    /// What is said of the two, a line each.
+    /// What is said of the two, a line each, and whether two cameras saw them.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
-        let sides = self.sides().into_iter().flatten();
-        sides
-            .map(|side| format!("{}:  {}", side.name, side.words()))
-            .collect()
+        let Some(sides) = self.sides() else {
+            return Vec::new();
+        };
+        let cameras = sides
+            .each_ref()
+            .map(|side| side.origin.as_ref().map(|o| &o.camera));
+        let note = match cameras {
+            [Some(a), Some(b)] if a != b => Some("seen by two different cameras".to_owned()),
+            _ => None,
+        };
+        let words = |side: &Side| format!("{}:  {}", side.name, side.words());
+        sides.iter().map(words).chain(note).collect()
     }
 }
 

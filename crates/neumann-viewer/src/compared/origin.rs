@@ -15,6 +15,8 @@ pub struct Origin {
     pub seconds: f64,
     /// What it is a picture of.
     pub scene: SceneName,
+    /// The camera that saw it, as files write it down.
+    pub camera: String,
 }
 
 /// A scene as its pictures name it.
@@ -39,6 +41,7 @@ impl Origin {
                 name: metadata.scene.clone(),
                 content_hash: metadata.content_hash,
             },
+            camera: metadata.camera.clone(),
         }
     }
 

@@ -110,6 +110,8 @@ pub struct Stage<'a> {
     pub settings: &'a mut ViewSettings,
     /// Where the picture stands, for the keys that magnify it.
     pub placement: &'a mut Option<Placement>,
+    /// What the caption of the view covers, if it has one.
+    pub caption: Rect,
     /// What there is to say.
     pub notices: &'a mut Notices,
     /// How far a scene is that is being opened.
@@ -226,7 +228,12 @@ impl Views {
         let view = &mut self.all[self.shown];
         let probed = view.draw(ui, stage);
         if let Some(reading) = probed.and_then(|at| view.probe(at, stage)) {
-            probe::show(ui, stage.rect, &reading, stage.settings.part);
+            probe::show(
+                ui,
+                [stage.rect, stage.caption],
+                &reading,
+                stage.settings.part,
+            );
         }
     }
 

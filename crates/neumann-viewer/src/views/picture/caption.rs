@@ -65,8 +65,8 @@ impl Caption {
         format!("{what}: {}{notes}", self.text)
     }
 
-    /// Draws it in the upper left corner of `rect`.
-    pub(super) fn show(&self, painter: &Painter, rect: Rect, p: &Palette) {
+    /// Draws it in the upper left corner of `rect`; yields what it covers.
+    pub(super) fn show(&self, painter: &Painter, rect: Rect, p: &Palette) -> Rect {
         let at = rect.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
         let room = rect.width() - 6.0 * GRID;
         let formula = self.formula;
@@ -84,7 +84,8 @@ impl Caption {
         let heights = notes.iter().map(|note| note.size().y + 2.0);
         let height = below + text.size().y + heights.sum::<f32>();
         let spot = Rect::from_min_size(at, Vec2::new(width, height));
-        painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, theme::plate(p));
+        let plate = spot.expand2(Vec2::new(GRID, 6.0));
+        painter.rect_filled(plate, 6, theme::plate(p));
         if let Some(formula) = formula {
             formula.paint(painter, at);
         }
@@ -95,6 +96,7 @@ impl Caption {
             painter.galley(at + Vec2::new(0.0, y), note, p.weak);
             y += height + 2.0;
         }
+        plate
     }
 }
 

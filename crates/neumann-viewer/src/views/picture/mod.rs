@@ -72,7 +72,7 @@ impl View for PictureView {
         if let Compared::Wipe(sides) = &compared {
             wipe::show(ui, rect, &placement, sides, settings);
         }
-        caption.show(&painter, rect, &p);
+        stage.caption = caption.show(&painter, rect, &p);
         let is_difference = matches!(compared, Compared::Difference(_));
         if settings.is_false_colour || is_difference {
             legend::show(&painter, rect, &settings.scale(is_difference), &p);
@@ -91,8 +91,9 @@ impl View for PictureView {
     }
 }
 
-/// Places a picture of `size` pixels on the stage, and lets the pointer act on it and on the camera; `name` is for
-/// whoever does not see it. Yields what the pointer does, and where the picture stands.
+/// Places a picture of `size` pixels on the stage, and lets the pointer act on it and on the
+/// camera; `name` is for whoever does not see it. Yields what the pointer does, and where the
+/// picture stands.
 pub(super) fn take_pointer(
     ui: &Ui,
     stage: &mut Stage<'_>,

@@ -67,11 +67,8 @@ fn of_two(
     let [a, b] = sides;
     let pixels = [a.pixels(session), b.pixels(session)];
     // What stands on either side of a wipe is said below its line.
-    let mut lines = if is_difference {
-        compared.lines()
-    } else {
-        Vec::new()
-    };
+    let n_said = if is_difference { 0 } else { sides.len() };
+    let mut lines = compared.lines().split_off(n_said);
     lines.extend(session.measuring.of(session, compared).map(|m| m.words()));
     let what = if is_difference {
         format!("{}: {}", a.part, compared.title())

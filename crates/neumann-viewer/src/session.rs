@@ -47,7 +47,8 @@ struct Made {
 struct Room {
     /// Size of a film that fits it.
     fitting: (usize, usize),
-    changed: Option<Instant>,
+    /// When it changed last, and whether the film was young when it began to.
+    changed: Option<(Instant, bool)>,
     is_debounced: bool,
 }
 
@@ -161,7 +162,8 @@ impl Session {
 
     /// Lets the size of a film that is begun anew follow the room for it, physical pixels; that of
     /// one which has hardly been begun, too, when the room has come to rest. Any other film keeps
-    /// its size and is shown scaled. Yields how long the room must rest yet.
+    /// its size and is shown scaled, and so does one that is compared with another picture.
+    /// Yields how long the room must rest yet.
     pub fn follow_room(&mut self, room: egui::Vec2) -> Option<Duration> {
         let fitting = self.setup.size_for(room);
         let is_new = fitting != self.room.fitting;
@@ -170,23 +172,33 @@ impl Session {
             self.room.changed = None;
             return None;
         }
-        if self.setup.size == (0, 0) || self.setup.is_changed || !self.room.is_debounced {
+        let begins_anew = self.setup.is_changed && !self.is_compared();
+        if self.setup.size == (0, 0) || begins_anew || !self.room.is_debounced {
             self.fit();
             return None;
         }
         if is_new {
-            self.room.changed = Some(Instant::now());
+            let is_young = !self.is_current() || self.picture.stats.seconds < YOUNG;
+            let is_young = is_young && self.kept.is_none() && !self.is_compared();
+            let was_young = self.room.changed.is_some_and(|(_, was_young)| was_young);
+            self.room.changed = Some((Instant::now(), is_young || was_young));
         }
-        let rested = self.room.changed?.elapsed();
+        let (since, is_young) = self.room.changed?;
+        let rested = since.elapsed();
         if rested < RESIZE_DELAY {
             return Some(RESIZE_DELAY - rested);
         }
-        let is_young = !self.is_current() || self.picture.stats.seconds < YOUNG;
-        if is_young && self.kept.is_none() {
+        if is_young {
             self.fit();
         }
         self.room.changed = None;
         None
+    }
+
+    /// True if there are pictures to compare with, which have the size of the film.
+    fn is_compared(&self) -> bool {
+        let picture = &self.picture;
+        picture.reference.is_some() || picture.held.iter().any(Option::is_some)
     }
 
     /// The room has changed because texts did, which is no reason to begin even a young film anew.

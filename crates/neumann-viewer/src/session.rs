@@ -198,7 +198,7 @@ impl Session {
     #[must_use]
     pub fn label(&self, part: Part) -> String {
         let n = self.picture.stats.n_iterations;
-        format!("{part} · {} · {n}", self.setup.method().title)
+        format!("{part} · {} · {n}", self.setup.method().id)
     }
 
     /// Puts a part of the film aside as A (0) or B (1).

@@ -39,7 +39,7 @@ pub struct ViewSettings {
     pub is_wiping: bool,
     /// Its place across the picture, 0 to 1.
     pub wipe: f32,
-    /// The difference to the reference instead of the picture.
+    /// The difference from the reference instead of the picture.
     pub is_difference: bool,
 }
 

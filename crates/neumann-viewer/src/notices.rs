@@ -1,7 +1,10 @@
 //! Notices: what the window has to say, until it has been read.
 
+use std::path::PathBuf;
+
 use egui::{Align2, Context, Frame, Id, Label, Margin, RichText, Stroke};
 
+use crate::setup::FormerSky;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{Icon, button, icon_button};
 
@@ -12,12 +15,18 @@ pub struct Notices {
 }
 
 /// What a notice can do at a click.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub enum Offer {
     /// Take away the sky that was added by default.
     RemoveSky,
     /// Look through the backs of single-sided surfaces.
     LookThroughBacks,
+    /// Put back a sky that was removed.
+    PutSkyBack(FormerSky),
+    /// A dropped file that was taken for a sky is a reference; the sky was this one.
+    TakeAsReference(PathBuf, Option<FormerSky>),
+    /// A dropped file that was taken for a reference is a sky.
+    TakeAsSky(PathBuf),
 }
 
 #[derive(Debug)]
@@ -70,9 +79,9 @@ impl Notices {
     }
 
     /// Takes back what is no longer to be had.
-    pub fn withdraw(&mut self, offer: Offer) {
+    pub fn withdraw(&mut self, is_gone: impl Fn(&Offer) -> bool) {
         self.entries
-            .retain(|n| n.offer.is_none_or(|(_, offered)| offered != offer));
+            .retain(|n| n.offer.as_ref().is_none_or(|(_, offer)| !is_gone(offer)));
     }
 
     /// Draws them in the lower left corner of `area`; yields the offer that was taken.
@@ -116,13 +125,13 @@ impl Notices {
                                     let text = RichText::new(&notice.text).font(theme::body());
                                     ui.add(Label::new(text).wrap());
                                 });
-                                if let Some((label, offer)) = notice.offer
+                                if let Some((label, offer)) = &notice.offer
                                     && button(ui, label).clicked()
                                 {
-                                    taken = Some(offer);
+                                    taken = Some(offer.clone());
                                     closed = Some(i);
                                 }
-                                if icon_button(ui, Icon::Close, "close notice", "Esc").clicked() {
+                                if icon_button(ui, Icon::Close, "Close notice", "Esc").clicked() {
                                     closed = Some(i);
                                 }
                             });

@@ -1,6 +1,6 @@
 //! Opens scenes in the background, so that the window stays alive.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -8,6 +8,7 @@ use neumann_core::render::lit;
 use neumann_core::scene::description::DefaultSky;
 use neumann_core::scene::load::{EnvironmentFile, LoadError, LoadOptions, load_environment};
 use neumann_core::scene::{self, Backs, BetterTree, OpeningProgress, Scene, SkyChoice};
+use neumann_picture::exr_file::is_panorama;
 
 use crate::compared::Reference;
 use crate::compared::measured::{Measurement, Outcome};
@@ -27,6 +28,8 @@ pub enum Arrival {
     Measured(Outcome),
     /// A path was chosen in the desktop's dialog.
     Chosen(Wanted, PathBuf),
+    /// A picture was dropped on the window, and is most likely this.
+    Dropped(Wanted, PathBuf),
     /// A file was written, or could not be.
     Saved(Result<String, String>),
 }
@@ -118,6 +121,7 @@ impl Background {
 
     /// Reads an environment map.
     pub fn open_environment(&mut self, path: PathBuf) {
+        let path = in_home(path);
         self.run("neumann-load", move || {
             let map = load_environment(&path).map_err(|e| e.to_string());
             Some(Arrival::Environment(path, map))
@@ -126,6 +130,7 @@ impl Background {
 
     /// Reads a picture to hold the film against.
     pub fn open_reference(&mut self, path: PathBuf) {
+        let path = in_home(path);
         self.run("neumann-load", move || {
             Some(Arrival::Reference(Reference::read(&path)))
         });
@@ -136,6 +141,18 @@ impl Background {
         self.run("neumann-compare", move || {
             yield_to_renderer();
             Some(Arrival::Measured(measurement.make()))
+        });
+    }
+
+    /// Finds out whether a picture is a sky or a reference.
+    pub fn recognise(&mut self, path: PathBuf) {
+        self.run("neumann-load", move || {
+            let wanted = if is_panorama(&path) {
+                Wanted::Environment
+            } else {
+                Wanted::Reference
+            };
+            Some(Arrival::Dropped(wanted, path))
         });
     }
 
@@ -190,6 +207,50 @@ impl Background {
             });
         if thread.is_ok() {
             self.n_running += 1;
+        }
+    }
+}
+
+/// A path as somebody types it: `~` is the user's own folder.
+#[must_use]
+pub fn in_home(path: PathBuf) -> PathBuf {
+    let variable = if cfg!(target_os = "windows") {
+        "USERPROFILE"
+    } else {
+        "HOME"
+    };
+    match std::env::var_os(variable) {
+        Some(home) => beneath(Path::new(&home), path),
+        None => path,
+    }
+}
+
+fn beneath(home: &Path, path: PathBuf) -> PathBuf {
+    match path.strip_prefix("~") {
+        Ok(rest) if rest.as_os_str().is_empty() => home.to_owned(),
+        Ok(rest) => home.join(rest),
+        Err(_) => path,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::{Path, PathBuf};
+
+    use super::beneath;
+
+    #[test]
+    fn a_tilde_is_the_folder_of_the_user() {
+        let home = Path::new("home");
+        for (typed, meant) in [
+            ("~/scenes/a.glb", "home/scenes/a.glb"),
+            ("~", "home"),
+            ("a~/b.glb", "a~/b.glb"),
+            ("~other/b.glb", "~other/b.glb"),
+            ("cornell", "cornell"),
+        ] {
+            let found = beneath(home, PathBuf::from(typed));
+            assert_eq!(found, Path::new(meant), "{typed}");
         }
     }
 }

@@ -235,7 +235,7 @@ impl Session {
     pub fn origin(&self) -> Option<Origin> {
         let made = self.made.as_ref()?;
         Some(Origin {
-            method: made.method.title.to_owned(),
+            method: made.method.id.to_owned(),
             n_iterations: self.picture.stats.n_iterations,
             seconds: self.picture.stats.seconds,
             scene: SceneName::of(&made.scene),

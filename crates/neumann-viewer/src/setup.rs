@@ -7,7 +7,7 @@ use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, Method, ParameterValues};
 use neumann_core::render::{RenderSettings, StopRule, lit};
 use neumann_core::scene::description::EnvironmentDescription;
-use neumann_core::scene::{Appearance, Backs, BetterTree, Scene, Sky, SkyChoice};
+use neumann_core::scene::{Appearance, Backs, BetterTree, Level, Scene, Sky, SkyChoice};
 
 use crate::camera_control::CameraControl;
 use crate::options::{CameraOptions, EnvironmentOptions, ViewOptions};
@@ -31,6 +31,14 @@ impl OpenScene {
         let stem = std::path::Path::new(&self.source).file_stem();
         stem.and_then(|s| s.to_str()).unwrap_or(&self.source)
     }
+}
+
+/// A sky as it was, for whoever wants it back.
+#[derive(Clone, Debug)]
+pub struct FormerSky {
+    sky: Option<SkyChoice>,
+    environment: Option<Arc<EnvironmentDescription>>,
+    level: Level,
 }
 
 /// Where the size of the film comes from.
@@ -218,6 +226,27 @@ impl Setup {
                 ..sky.description()
             })
         });
+        self.dress(appearance);
+    }
+
+    /// The present sky; `None` without a scene.
+    #[must_use]
+    pub fn sky_as_it_is(&self) -> Option<FormerSky> {
+        let appearance = self.open.as_ref()?.scene.appearance();
+        Some(FormerSky {
+            sky: self.sky.clone(),
+            environment: appearance.environment.clone(),
+            level: appearance.environment_level,
+        })
+    }
+
+    /// Puts back a sky that was there before.
+    pub fn put_sky_back(&mut self, former: FormerSky) {
+        let Some(open) = &self.open else { return };
+        let mut appearance = open.scene.appearance().clone();
+        appearance.environment = former.environment;
+        appearance.environment_level = former.level;
+        self.sky = former.sky;
         self.dress(appearance);
     }
 

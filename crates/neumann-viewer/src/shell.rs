@@ -43,6 +43,8 @@ pub struct Shell {
     pub notices: Notices,
     /// What runs in the background.
     pub background: Background,
+    /// The panel is given the keyboard in this frame.
+    pub(crate) gives_panel_the_keyboard: bool,
     /// What the window itself is to do.
     pub requests: Vec<WindowRequest>,
     /// A control had the keyboard at the end of the last frame; the toolkit takes it away at Esc
@@ -102,6 +104,7 @@ impl Shell {
             recent: Recent::default(),
             notices: Notices::default(),
             background: Background::new(wake),
+            gives_panel_the_keyboard: false,
             requests: Vec::new(),
             had_focus: false,
             commands: Vec::new(),

@@ -36,8 +36,16 @@ pub fn show(ui: &mut Ui, rect: Rect, status: &Status<'_>) {
     painter.hline(rect.x_range(), rect.top() + 0.5, (1.0, p.line));
     let right = badge(ui, rect, status.bias);
     let mut spoken = String::new();
+    let mut tips = Vec::new();
     let mut x = rect.left() + 2.0 * GRID;
-    for (name, value, unit) in facts(status) {
+    for (i, fact) in facts(status).into_iter().enumerate() {
+        let Fact {
+            name,
+            value,
+            unit,
+            about,
+        } = fact;
+        let start = x;
         let mut width = 0.0;
         let pieces = [(&name, p.weak), (&value, p.text), (&unit, p.weak)];
         let galleys: Vec<_> = pieces
@@ -57,6 +65,8 @@ pub fn show(ui: &mut Ui, rect: Rect, status: &Status<'_>) {
             x += galley.size().x + 4.0;
             painter.galley(at, galley, p.text);
         }
+        let spot = Rect::from_x_y_ranges(start..=x, rect.y_range());
+        tips.push((spot, i, about));
         x += 1.5 * GRID;
         for part in [name, value, unit] {
             if !part.is_empty() {
@@ -71,6 +81,20 @@ pub fn show(ui: &mut Ui, rect: Rect, status: &Status<'_>) {
     }
     let response = ui.interact(rect, ui.scope_id().with("status"), egui::Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Status, true, spoken.trim_end()));
+    for (spot, i, about) in tips {
+        let id = ui.scope_id().with(("fact", i));
+        ui.interact(spot, id, egui::Sense::hover())
+            .on_hover_text(about);
+    }
+}
+
+/// A figure of the line.
+struct Fact {
+    name: String,
+    value: String,
+    unit: String,
+    /// What it is, in a sentence.
+    about: &'static str,
 }
 
 fn font() -> FontId {
@@ -78,27 +102,40 @@ fn font() -> FontId {
 }
 
 /// Name, value and unit of everything the line says, most important first.
-fn facts(status: &Status<'_>) -> Vec<(String, String, String)> {
-    let fact = |name: &str, value: String, unit: &str| (name.to_owned(), value, unit.to_owned());
+fn facts(status: &Status<'_>) -> Vec<Fact> {
+    let fact = |name: &str, value: String, unit: &str, about| Fact {
+        name: name.to_owned(),
+        value,
+        unit: unit.to_owned(),
+        about,
+    };
     let mut facts = Vec::new();
     let picture = status.picture;
     if let Some(opening) = status.opening {
-        facts.push(fact("opening", opening.step().what().to_owned(), ""));
+        let about = "A scene is being opened; the one before stays until it is there.";
+        facts.push(fact("opening", opening.step().what().to_owned(), "", about));
     }
     if !picture.is_there() {
         return facts;
     }
     let stats = &picture.stats;
     if status.is_paused {
-        facts.push(fact("", "paused".to_owned(), ""));
+        let about = "Rendering waits and keeps all samples; Space resumes it.";
+        facts.push(fact("", "paused".to_owned(), "", about));
     } else if let Some((n, of)) = status.catching_up {
-        facts.push(fact("new size", format!("{n} of {of}"), ""));
+        let about = "Iterations of the film of the new size; the old picture stays until it has \
+                     as many.";
+        facts.push(fact("new size", format!("{n} of {of}"), "", about));
     } else if stats.is_done && !status.is_waiting {
-        facts.push(fact("", "done".to_owned(), ""));
+        let about = "Rendering has ended, as 'Stop after' on the Method page asks.";
+        facts.push(fact("", "done".to_owned(), "", about));
     } else if status.is_waiting {
-        facts.push(fact("", "starting".to_owned(), ""));
+        let about = "The picture is still of what was rendered before.";
+        facts.push(fact("", "starting".to_owned(), "", about));
     } else if picture.divisor > 1 {
-        facts.push(fact("", format!("1/{} resolution", picture.divisor), ""));
+        let about = "A coarse picture, which is there sooner; finer ones follow.";
+        let text = format!("1/{} resolution", picture.divisor);
+        facts.push(fact("", text, "", about));
     }
     let iteration = match status.stop {
         StopRule::Iterations(n) if stats.n_iterations <= n => {
@@ -106,27 +143,49 @@ fn facts(status: &Status<'_>) -> Vec<(String, String, String)> {
         }
         _ => stats.n_iterations.to_string(),
     };
-    facts.push(fact("iteration", iteration, ""));
-    facts.push(fact("", format!("{:.1}", stats.seconds), "s"));
-    facts.push(fact("", with_prefix(stats.samples_per_second), "samples/s"));
-    facts.push(fact("", with_prefix(stats.rays_per_second), "rays/s"));
+    let about = "Complete estimates of the picture so far; what is shown is their mean.";
+    facts.push(fact("iteration", iteration, "", about));
+    let about = "Time spent on rendering, pauses left out.";
+    facts.push(fact("", format!("{:.1}", stats.seconds), "s", about));
+    let about = "Samples of pixels in a second: each is one path or more through a pixel.";
+    let samples = with_prefix(stats.samples_per_second);
+    facts.push(fact("", samples, "samples/s", about));
+    let about = "Rays in a second that were followed to the next surface or tested for shadow.";
+    let rays = with_prefix(stats.rays_per_second);
+    facts.push(fact("", rays, "rays/s", about));
+    let about = "Estimated noise: the standard error of all pixels, as a share of the mean \
+                 radiance, without bias. It halves with four times the time.";
     facts.push(match stats.estimated_error {
-        Some(error) => fact("estimated error", significant(100.0 * error, 2), "%"),
-        None => fact("estimated error", "–".to_owned(), ""),
+        Some(error) => {
+            let percent = significant(100.0 * error, 2);
+            fact("estimated error", percent, "%", about)
+        }
+        None => fact("estimated error", "–".to_owned(), "", about),
     });
     if let Some(photons) = stats.photons {
         if photons.radius > 0.0 {
+            let about = "Distance within which photons count for a point in this iteration.";
             let radius = significant(f64::from(photons.radius), 3);
-            facts.push(fact("radius", radius, "m"));
+            facts.push(fact("radius", radius, "m", about));
         }
+        let about = "Places where light paths landed that are kept for this iteration, and the \
+                     memory that they take.";
         let stored = with_prefix(photons.n_vertices as f64);
         let megabytes = significant(photons.bytes as f64 / 1e6, 2);
-        facts.push(fact("photons", stored, &format!("({megabytes} MB)")));
+        let unit = format!("({megabytes} MB)");
+        facts.push(fact("photons", stored, &unit, about));
     }
-    facts.push(fact("refused", stats.n_refused.to_string(), ""));
+    let about = "Contributions that were left out, because they were not finite or negative.";
+    facts.push(fact("refused", stats.n_refused.to_string(), "", about));
     let size = format!("{} × {}", picture.size.0, picture.size.1);
-    let unit = if status.can_fit { "scaled" } else { "" };
-    facts.push(fact("", size, unit));
+    let (unit, about) = if status.can_fit {
+        let about = "Pixels of the film. It is shown scaled, as the window has another size; \
+                     Shift Z begins a film that fits.";
+        ("scaled", about)
+    } else {
+        ("", "Pixels of the film, columns and rows.")
+    };
+    facts.push(fact("", size, unit, about));
     facts
 }
 
@@ -188,7 +247,35 @@ pub fn with_prefix(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::with_prefix;
+    use neumann_core::render::StopRule;
+
+    use super::{Status, facts, with_prefix};
+    use crate::picture::Picture;
+
+    #[test]
+    fn every_figure_is_explained_in_a_sentence() {
+        let mut picture = Picture::default();
+        (picture.version, picture.divisor) = (1, 2);
+        picture.stats.photons = Some(neumann_core::film::PhotonReport {
+            radius: 0.1,
+            ..Default::default()
+        });
+        let facts = facts(&Status {
+            picture: &picture,
+            stop: StopRule::Never,
+            is_paused: false,
+            is_waiting: false,
+            catching_up: None,
+            can_fit: true,
+            opening: None,
+            bias: None,
+        });
+        assert_eq!(facts.len(), 10);
+        for fact in facts {
+            let words = fact.about.split_whitespace().count();
+            assert!(fact.about.ends_with('.') && words > 5, "{}", fact.about);
+        }
+    }
 
     #[test]
     fn prefixes() {

@@ -11,7 +11,7 @@ use crate::session::Session;
 use crate::setup::Setup;
 use crate::shell::Shell;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{Icon, icon_button, row_button, segmented, segmented_width};
+use crate::widgets::{Icon, icon_button, row_button, segmented_width, segments};
 
 /// Draws the bar into `rect`.
 pub fn show(ui: &mut Ui, rect: Rect, session: &mut Session, shell: &mut Shell) {
@@ -84,6 +84,7 @@ fn scene_button(ui: &mut Ui, rect: Rect, setup: &Setup, page: &mut Page) -> Rect
     if response.clicked() {
         *page = Page::Scene;
     }
+    response.on_hover_text("The open scene. A click shows the Scene page, where others are.");
     spot
 }
 
@@ -91,18 +92,62 @@ fn commands(ui: &mut Ui, rect: Rect, is_paused: bool, shell: &mut Shell) -> Rect
     const N: f32 = 6.0;
     let width = N * 28.0 + (N - 1.0) * 4.0;
     let spot = Rect::from_min_max(pos2(rect.right() - width, rect.top()), rect.max);
-    let (icon, name) = if is_paused {
-        (Icon::Play, "go on")
+    let pause = if is_paused {
+        let about = "Goes on with the samples that are there.";
+        (
+            Icon::Play,
+            "Resume rendering",
+            "Space",
+            about,
+            Action::Pause,
+        )
     } else {
-        (Icon::Pause, "pause")
+        let about = "Keeps all samples; another press goes on with them.";
+        (
+            Icon::Pause,
+            "Pause rendering",
+            "Space",
+            about,
+            Action::Pause,
+        )
     };
     let buttons = [
-        (icon, name, "Space", Action::Pause),
-        (Icon::Restart, "begin again", "R", Action::Restart),
-        (Icon::Save, "save picture", "Ctrl S", Action::SavePng),
-        (Icon::Theme, "light or dark", "Ctrl T", Action::Theme),
-        (Icon::Panel, "hide panels", "Tab", Action::Panels),
-        (Icon::Help, "help", "?", Action::Help),
+        pause,
+        (
+            Icon::Restart,
+            "Restart rendering",
+            "R",
+            "Begins anew, without the samples so far.",
+            Action::Restart,
+        ),
+        (
+            Icon::Save,
+            "Save picture",
+            "Ctrl S",
+            "Writes what is shown to a PNG file.",
+            Action::SavePng,
+        ),
+        (
+            Icon::Theme,
+            "Light or dark",
+            "Ctrl T",
+            "Changes between the light and the dark window.",
+            Action::Theme,
+        ),
+        (
+            Icon::Panel,
+            "Hide panels",
+            "Tab",
+            "Leaves the window to the picture alone.",
+            Action::Panels,
+        ),
+        (
+            Icon::Help,
+            "Help",
+            "?",
+            "Shows what every key does.",
+            Action::Help,
+        ),
     ];
     let builder = UiBuilder::new()
         .max_rect(spot)
@@ -111,10 +156,12 @@ fn commands(ui: &mut Ui, rect: Rect, is_paused: bool, shell: &mut Shell) -> Rect
     let mut chosen = None;
     ui.scope_builder(builder, |ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        for (icon, name, keys, action) in buttons {
-            if icon_button(ui, icon, name, keys).clicked() {
+        for (icon, name, keys, about, action) in buttons {
+            let response = icon_button(ui, icon, name, keys);
+            if response.clicked() {
                 chosen = Some(action);
             }
+            response.on_hover_text(about);
         }
     });
     if let Some(action) = chosen {
@@ -124,7 +171,7 @@ fn commands(ui: &mut Ui, rect: Rect, is_paused: bool, shell: &mut Shell) -> Rect
 }
 
 fn methods(ui: &mut Ui, bar: Rect, room: Rect, setup: &mut Setup, is_menu_open: &mut bool) {
-    let titles: Vec<&str> = METHODS.iter().map(|m| m.title).collect();
+    let titles: Vec<&str> = METHODS.iter().map(|m| m.id).collect();
     let width = segmented_width(ui, &titles);
     if width <= room.width() {
         // In the middle of the window if it fits there, else in the middle of the room.
@@ -140,7 +187,7 @@ fn methods(ui: &mut Ui, bar: Rect, room: Rect, setup: &mut Setup, is_menu_open: 
         );
         let clicked = ui
             .scope_builder(UiBuilder::new().max_rect(spot).id_salt("methods"), |ui| {
-                segmented(ui, "method", &titles, setup.method)
+                segments(ui, "method", &titles, about_method, setup.method)
             })
             .inner;
         if let Some(index) = clicked {
@@ -152,10 +199,16 @@ fn methods(ui: &mut Ui, bar: Rect, room: Rect, setup: &mut Setup, is_menu_open: 
     menu(ui, room, setup, is_menu_open);
 }
 
+/// What the method of that number is, for whoever knows it by its id.
+fn about_method(index: usize) -> String {
+    let method = METHODS[index];
+    format!("{}. {}", method.name, method.about)
+}
+
 /// Where there is no room for all methods in a row.
 fn menu(ui: &mut Ui, room: Rect, setup: &mut Setup, is_open: &mut bool) {
     let p = Palette::of(ui);
-    let title = setup.method().title;
+    let title = setup.method().id;
     let spot = Rect::from_center_size(room.center(), Vec2::new(room.width().min(160.0), 28.0));
     let response = ui.interact(
         spot,
@@ -181,11 +234,14 @@ fn menu(ui: &mut Ui, room: Rect, setup: &mut Setup, is_open: &mut bool) {
         *is_open = !*is_open;
     }
     if !*is_open {
+        response.clone().on_hover_text(about_method(setup.method));
+    }
+    if !*is_open {
         return;
     }
     let area = Area::new(Id::unique("methods"))
         .order(Order::Foreground)
-        .fixed_pos(pos2(spot.center().x - 140.0, spot.bottom() + 4.0))
+        .fixed_pos(pos2(spot.center().x - 180.0, spot.bottom() + 4.0))
         .show(ui.ctx(), |ui| {
             Frame::new()
                 .fill(p.panel)
@@ -193,10 +249,10 @@ fn menu(ui: &mut Ui, room: Rect, setup: &mut Setup, is_open: &mut bool) {
                 .corner_radius(6)
                 .inner_margin(Margin::symmetric(16, 8))
                 .show(ui, |ui| {
-                    ui.set_width(248.0);
+                    ui.set_width(328.0);
                     for (i, method) in METHODS.iter().enumerate() {
                         let is_chosen = i == setup.method;
-                        if row_button(ui, method.title, method.id, is_chosen).clicked() {
+                        if row_button(ui, method.id, method.name, is_chosen).clicked() {
                             setup.choose_method(i);
                             *is_open = false;
                         }

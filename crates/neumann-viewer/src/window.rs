@@ -103,6 +103,8 @@ struct Running {
     ctx: Context,
     egui: egui_winit::State,
     app: App,
+    /// What stands in the title bar.
+    title: String,
     is_announced: Arc<AtomicBool>,
     period: Duration,
     is_software: bool,
@@ -182,6 +184,7 @@ impl Handler<'_> {
             ctx,
             egui,
             app,
+            title: String::new(),
             is_announced,
             period,
             is_software,
@@ -318,6 +321,11 @@ impl Running {
         self.drawn = Instant::now();
         self.cost = presenting.elapsed();
         self.share = laid_out + prepared.unwrap_or_default();
+        let title = self.app.title();
+        if title != self.title {
+            self.window.set_title(&title);
+            self.title = title;
+        }
         for request in std::mem::take(&mut self.app.shell.requests) {
             match request {
                 WindowRequest::Quit => close(self, event_loop),

@@ -108,7 +108,7 @@ fn methods_change_by_click_and_by_key_and_keep_camera_and_view() {
     let mut harness = harness([1280.0, 720.0]);
     press(&mut harness, Key::Num2);
     let camera = harness.state().session.setup.settings().unwrap().camera;
-    click(&mut harness, &format!("method: {}", METHODS[0].title));
+    click(&mut harness, &format!("method: {}", METHODS[0].id));
     assert_eq!(harness.state().session.setup.method(), METHODS[0]);
     press(&mut harness, Key::CloseBracket);
     assert_eq!(harness.state().session.setup.method(), METHODS[1]);
@@ -129,10 +129,10 @@ fn a_bad_path_says_so_and_keeps_the_scene() {
     let mut harness = harness([1280.0, 960.0]);
     press(&mut harness, Key::F2);
     assert_eq!(harness.state().shell.page, Page::Scene);
-    harness.get_by_label("path of a scene").focus();
+    harness.get_by_label("Path of a scene").focus();
     harness.run_steps(2);
     harness
-        .get_by_label("path of a scene")
+        .get_by_label("Path of a scene")
         .type_text("no-such-scene.glb");
     harness.run_steps(2);
     click(&mut harness, "Open");
@@ -181,7 +181,7 @@ fn pausing_by_key_and_by_button() {
     let mut harness = harness([1280.0, 720.0]);
     press(&mut harness, Key::Space);
     assert!(harness.state().session.link.is_paused());
-    click(&mut harness, "go on");
+    click(&mut harness, "Resume rendering");
     assert!(!harness.state().session.link.is_paused());
     let n = harness.state().session.link.n_starts();
     press(&mut harness, Key::R);
@@ -193,7 +193,7 @@ fn a_slider_steps_with_the_keyboard_and_resets() {
     let mut harness = harness([1280.0, 960.0]);
     assert_eq!(harness.state().session.setup.max_bounces, 16);
     harness
-        .get_by_role_and_label(egui::accesskit::Role::Slider, "longest path")
+        .get_by_role_and_label(egui::accesskit::Role::Slider, "Longest path")
         .focus();
     harness.run_steps(2);
     press(&mut harness, Key::ArrowRight);
@@ -204,7 +204,7 @@ fn a_slider_steps_with_the_keyboard_and_resets() {
         "the arrow stays with the slider"
     );
     assert_eq!(harness.state().session.link.n_starts(), 2);
-    click(&mut harness, "reset longest path");
+    click(&mut harness, "Reset longest path");
     assert_eq!(harness.state().session.setup.max_bounces, 16);
 }
 
@@ -230,7 +230,7 @@ fn parameters_of_the_method_can_be_changed() {
 #[test]
 fn stopping_after_iterations_does_not_restart() {
     let mut harness = harness([1280.0, 960.0]);
-    click(&mut harness, "stop after: iterations");
+    click(&mut harness, "Stop after: iterations");
     assert_eq!(
         harness.state().session.setup.stop,
         StopRule::Iterations(256)
@@ -245,8 +245,13 @@ fn tab_hides_the_panels_and_f6_gives_them_the_keyboard() {
     assert!(harness.state().shell.is_bare);
     press(&mut harness, Key::Tab);
     assert!(!harness.state().shell.is_bare);
+    press(&mut harness, Key::Tab);
     press(&mut harness, Key::F6);
-    assert!(harness.ctx.memory(|m| m.focused()).is_some());
+    assert!(!harness.state().shell.is_bare);
+    assert!(harness.get_by_label("Method").is_focused(), "its page");
+    press(&mut harness, Key::F6);
+    assert!(harness.ctx.memory(|m| m.focused()).is_none());
+    press(&mut harness, Key::F6);
     press(&mut harness, Key::Tab);
     assert!(
         !harness.state().shell.is_bare,
@@ -410,13 +415,13 @@ fn presenting_shows_method_and_filmstrip_alone_and_large_and_keeps_the_samples()
     rest(&mut harness);
     assert!(harness.ctx.zoom_factor() >= 2.0);
     assert!(has(&harness, &method) && has(&harness, "term T^2 L_e"));
-    assert!(!has(&harness, "pause") && !has(&harness, "Scene"));
+    assert!(!has(&harness, "Pause rendering") && !has(&harness, "Scene"));
     click(&mut harness, "sum up to 3");
     assert_eq!(harness.state().viewing.settings.part, View::Upto(3));
     assert_eq!(harness.state().session.link.n_starts(), 1);
     press(&mut harness, Key::Escape);
     rest(&mut harness);
-    assert!(has(&harness, "pause") && !has(&harness, &method));
+    assert!(has(&harness, "Pause rendering") && !has(&harness, &method));
     assert_eq!(harness.ctx.zoom_factor(), 1.0);
     assert_eq!(harness.state().session.link.n_starts(), 1);
     // A page that is asked for is shown.
@@ -432,7 +437,7 @@ fn display_keys_do_not_render_anew() {
         press(&mut harness, key);
     }
     let app = harness.state();
-    assert!((app.viewing.settings.exposure_ev - 1.0 / 3.0).abs() < 1e-6);
+    assert!((app.viewing.settings.exposure_ev - (1.0 / 3.0 - 2.0)).abs() < 1e-6);
     assert!(app.viewing.settings.is_false_colour && app.viewing.settings.is_wiping);
     assert!(app.viewing.settings.zoom.is_some());
     assert_eq!(app.session.link.n_starts(), 1);
@@ -501,6 +506,57 @@ fn all_is_framed_without_the_ground_and_the_wheel_changes_how_fast_one_flies() {
 }
 
 #[test]
+fn the_title_names_scene_and_method_and_cameras_stand_on_their_page() {
+    let mut harness = harness([1280.0, 720.0]);
+    assert_eq!(harness.state().title(), "furnace – pt-mis – neumann");
+    press(&mut harness, Key::CloseBracket);
+    assert_eq!(harness.state().title(), "furnace – drt – neumann");
+    let room = builtin("cornell").expect("a built-in scene");
+    let mut room = room.load().expect("a scene as it comes");
+    room.cameras[0].name = "front".to_owned();
+    let mut back = room.cameras[0].clone();
+    back.name = "back".to_owned();
+    back.world_from_camera.w_axis.z += 1.0;
+    room.cameras.push(back.clone());
+    let scene = Arc::new(Scene::build(&room));
+    harness.state_mut().take_scene("room.glb".to_owned(), scene);
+    harness.state_mut().shell.page = Page::Scene;
+    harness.run_steps(2);
+    assert!(harness.query_by_label("back").is_none());
+    press(&mut harness, Key::F3);
+    click(&mut harness, "back");
+    let camera = harness.state().session.setup.settings().unwrap().camera;
+    assert_eq!(camera.world_from_camera, back.world_from_camera);
+    assert_eq!(harness.state().title(), "room – drt – neumann");
+}
+
+#[test]
+fn figures_choices_and_items_of_the_bar_say_what_they_are() {
+    let mut harness = harness([1280.0, 720.0]);
+    let bar = harness.get_by_label("method: bdpt").rect().center();
+    let pause = harness.get_by_label("Pause rendering").rect().center();
+    let status = harness.get_by_label_contains("estimated error").rect();
+    let choice = harness.get_by_label("Choose lights: tree").rect().center();
+    for (at, about) in [
+        (bar, "Bidirectional path tracing. "),
+        (pause, "Keeps all samples"),
+        (
+            status.left_center() + egui::vec2(24.0, 0.0),
+            "Complete estimates",
+        ),
+        (choice, "The light to aim at is chosen"),
+    ] {
+        harness.hover_at(at);
+        for _ in 0..8 {
+            std::thread::sleep(std::time::Duration::from_millis(100));
+            harness.run_steps(4);
+        }
+        let n = harness.query_all_by_label_contains(about).count();
+        assert!(n > 0, "{about}");
+    }
+}
+
+#[test]
 fn a_light_can_be_switched_off_and_a_material_edited() {
     let mut harness = harness([1280.0, 2400.0]);
     press(&mut harness, Key::F2);
@@ -555,7 +611,7 @@ fn every_method_can_be_reached_and_keeps_camera_view_and_exposure() {
                 camera.world_from_camera
             );
             assert_eq!(app.viewing.settings.part, View::Term(3));
-            assert!((app.viewing.settings.exposure_ev - 1.0 / 3.0).abs() < 1e-6);
+            assert!((app.viewing.settings.exposure_ev - (1.0 / 3.0 - 2.0)).abs() < 1e-6);
         }
     }
 }
@@ -972,7 +1028,7 @@ fn what_is_saved_is_what_the_screen_shows() {
 #[test]
 fn techniques_close_with_their_method_and_with_another_view() {
     let mut harness = harness_of([1280.0, 720.0], app_with_techniques());
-    click(&mut harness, "Techniques apart");
+    click(&mut harness, "Show techniques");
     assert!(harness.state().session.link.is_recording());
     press(&mut harness, Key::CloseBracket);
     assert!(!is_apart(&harness), "pm has none");
@@ -1054,7 +1110,7 @@ fn photons_of_a_method_without_are_refused_in_a_sentence() {
     );
     // Photons close with their method.
     let mut harness = harness_of([1280.0, 720.0], app_with_photons());
-    click(&mut harness, "Photons");
+    click(&mut harness, "Show photons");
     assert_eq!(harness.state().viewing.views.shown().id, "photons");
     press(&mut harness, Key::OpenBracket);
     assert_eq!(harness.state().viewing.views.shown().id, "picture");
@@ -1105,14 +1161,130 @@ fn the_default_sky_goes_at_a_click_and_others_can_be_chosen() {
     assert_eq!(sky_of(&harness).as_deref(), Some("studio"));
     click(&mut harness, "Remove sky");
     assert_eq!(sky_of(&harness), None);
+    let told: Vec<_> = harness.state().shell.notices.texts().collect();
+    assert_eq!(told, ["The sky is removed, and nothing shines now"]);
+    click(&mut harness, "Put back");
+    assert_eq!(sky_of(&harness).as_deref(), Some("studio"));
     assert_eq!(harness.state().shell.notices.texts().count(), 0);
     harness.state_mut().shell.page = Page::Scene;
     harness.run_steps(2);
     click(&mut harness, "Environment");
-    click(&mut harness, "sky: sun");
+    click(&mut harness, "Sky: sun");
     assert_eq!(sky_of(&harness).as_deref(), Some("sun"));
-    click(&mut harness, "sky: none");
+    click(&mut harness, "Sky: none");
     assert_eq!(sky_of(&harness), None);
+    click(&mut harness, "Put back");
+    assert_eq!(sky_of(&harness).as_deref(), Some("sun"));
+}
+
+#[derive(Debug)]
+struct Dropped(std::path::PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &std::path::Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|e| e.to_string())
+    }
+}
+
+fn drop_on(harness: &mut Harness<'_, App>, path: &std::path::Path) {
+    let file = Arc::new(Dropped(path.to_owned()));
+    harness.input_mut().dropped_files.push(file);
+    harness.run_steps(2);
+}
+
+/// Pictures twice as wide as high are skies, unless neumann rendered them; a click says otherwise.
+#[test]
+fn dropped_pictures_are_told_apart_and_can_be_taken_for_the_other() {
+    let folder = std::env::temp_dir().join(format!("neumann-dropped-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let mut harness = harness([1280.0, 720.0]);
+    for (name, width, is_sky) in [("wide.exr", 16, true), ("square.exr", 8, false)] {
+        let path = folder.join(name);
+        let pixels = vec![Rgb::WHITE; width * 8];
+        neumann_picture::exr_file::write_image_exr(&path, (width, 8), &pixels, &[])
+            .expect("it can be written");
+        let has_reference = |app: &App| app.session.picture.reference.is_some();
+        let before = sky_of(&harness);
+        drop_on(&mut harness, &path);
+        let other = if is_sky {
+            wait(&mut harness, |app| app.session.setup.sky.is_some());
+            assert!(!has_reference(harness.state()));
+            "Use as reference"
+        } else {
+            wait(&mut harness, has_reference);
+            "Use as sky"
+        };
+        let label = harness.query_by_label(other);
+        assert!(label.is_some(), "{other}");
+        click(&mut harness, other);
+        if is_sky {
+            wait(&mut harness, has_reference);
+            assert_eq!(sky_of(&harness), before, "the sky is as it was");
+        } else {
+            wait(&mut harness, |app| app.session.setup.sky.is_some());
+            assert!(!has_reference(harness.state()));
+        }
+        harness.state_mut().session.picture.reference = None;
+        harness.state_mut().session.setup.choose_sky(None);
+        harness.state_mut().session.setup.sky = None;
+        harness.run_steps(2);
+    }
+    std::fs::remove_dir_all(folder).expect("it is ours");
+}
+
+#[test]
+fn enter_loads_what_a_path_field_names() {
+    let mut harness = harness([1280.0, 2400.0]);
+    harness.state_mut().shell.page = Page::Scene;
+    harness.run_steps(2);
+    click(&mut harness, "Environment");
+    for (field, path) in [
+        ("Path of a .hdr or .exr map", "~/no-such-map.exr"),
+        ("Path of a scene", "~/no-such-scene.glb"),
+    ] {
+        harness.get_by_label(field).focus();
+        harness.run_steps(2);
+        harness.get_by_label(field).type_text(path);
+        harness.run_steps(2);
+        press(&mut harness, Key::Enter);
+        let name = &path[2..];
+        wait(&mut harness, |app| {
+            app.shell.notices.texts().any(|text| text.contains(name))
+        });
+        let told: Vec<_> = harness.state().shell.notices.texts().collect();
+        assert!(told.iter().all(|text| !text.contains('~')), "{told:?}");
+    }
+}
+
+#[test]
+fn automatic_exposure_goes_back_to_what_was_set() {
+    let mut harness = harness([1280.0, 720.0]);
+    let exposure = |harness: &Harness<'_, App>| harness.state().viewing.settings.exposure_ev;
+    assert!((exposure(&harness) + 2.0).abs() < 1e-6, "the furnace's own");
+    press(&mut harness, Key::E);
+    let set = exposure(&harness);
+    let toggle = |harness: &mut Harness<'_, App>| {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
+        harness.run_steps(3);
+    };
+    toggle(&mut harness);
+    let automatic = exposure(&harness);
+    assert!((automatic - set).abs() > 0.1, "{automatic}");
+    toggle(&mut harness);
+    assert!((exposure(&harness) - set).abs() < 1e-6);
+    // By the switch as well.
+    harness.state_mut().shell.page = Page::Display;
+    toggle(&mut harness);
+    click(&mut harness, "automatic");
+    assert!((exposure(&harness) - set).abs() < 1e-6);
+    // What is set meanwhile stays.
+    toggle(&mut harness);
+    press(&mut harness, Key::E);
+    assert!((exposure(&harness) - (automatic + 1.0 / 3.0)).abs() < 1e-5);
 }
 
 /// The Cornell box from outside, towards its back wall.
@@ -1145,14 +1317,14 @@ fn backs_are_looked_through_at_a_click_and_solid_at_another() {
     assert_eq!(n_notices(&harness), 0);
     harness.state_mut().shell.page = Page::Scene;
     harness.run_steps(2);
-    click(&mut harness, "look through backs");
+    click(&mut harness, "Look through backs");
     assert!(!started(&harness));
     // The switch takes the offer back, and another scene begins anew.
     let app = harness.state_mut();
     app.take_scene("room.glb".to_owned(), room_from_outside());
     harness.run_steps(2);
     assert_eq!(n_notices(&harness), 1);
-    click(&mut harness, "look through backs");
+    click(&mut harness, "Look through backs");
     assert!(started(&harness));
     assert_eq!(n_notices(&harness), 0);
 }

@@ -38,7 +38,7 @@ pub(super) static METHOD: Method = Method {
     parameters: &[
         Parameter {
             name: "lens-samples",
-            title: "lens samples",
+            title: "Lens samples",
             unit: "",
             about: "Camera rays through each pixel.",
             kind: ParameterKind::Integer {
@@ -49,7 +49,7 @@ pub(super) static METHOD: Method = Method {
         },
         Parameter {
             name: "light-samples",
-            title: "light samples",
+            title: "Light samples",
             unit: "",
             about: "Points on lights aimed at from the surface seen first.",
             kind: ParameterKind::Integer {
@@ -60,7 +60,7 @@ pub(super) static METHOD: Method = Method {
         },
         Parameter {
             name: "glossy-samples",
-            title: "glossy samples",
+            title: "Glossy samples",
             unit: "",
             about: "Reflected or transmitted rays from the surface seen first; deeper ones send \
                     one.",

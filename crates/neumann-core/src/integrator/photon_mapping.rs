@@ -147,7 +147,7 @@ const KERNEL: Parameter = Parameter {
 
 const ROUGHNESS: Parameter = Parameter {
     name: "roughness",
-    title: "Rough enough",
+    title: "Roughness threshold",
     unit: "",
     about: "The map is asked at surfaces of at least this roughness; sharper reflections are \
             followed.",

@@ -32,7 +32,7 @@ pub(super) static METHOD: Method = Method {
     has_photons: false,
     parameters: &[Parameter {
         name: "light-samples",
-        title: "light samples",
+        title: "Light samples",
         unit: "",
         about: "Points on lights aimed at from each surface point.",
         kind: ParameterKind::Integer {

@@ -26,7 +26,7 @@ mod write;
 pub use difference::Difference;
 pub use metadata::{Metadata, appearance_text, camera_text, environment_text};
 pub use ranges::IterationRanges;
-pub use read::{Checkpoint, read_exr, read_layer, read_layers, read_metadata};
+pub use read::{Checkpoint, is_panorama, read_exr, read_layer, read_layers, read_metadata};
 pub use write::{
     Clamped, Precision, write_exr, write_exr_as, write_image_exr, write_techniques_exr,
 };

@@ -34,6 +34,22 @@ pub struct Checkpoint {
     pub metadata: Metadata,
 }
 
+/// True of an OpenEXR file that is twice as wide as high and that neumann did not write: it is more
+/// likely a map of a sky than a picture of a scene.
+#[must_use]
+pub fn is_panorama(path: &Path) -> bool {
+    let Ok(file) = open_regular(path) else {
+        return false;
+    };
+    let meta = MetaData::read_from_buffered(BufReader::new(file), false);
+    meta.is_ok_and(|meta| {
+        meta.headers.first().is_some_and(|header| {
+            let is_wide = header.layer_size.x() == 2 * header.layer_size.y();
+            is_wide && Metadata::take(&header.own_attributes).is_err()
+        })
+    })
+}
+
 /// Reads how a picture was made, from the header of a file that [`super::write_exr`] wrote.
 ///
 /// # Errors

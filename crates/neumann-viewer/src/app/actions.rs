@@ -1,6 +1,6 @@
 //! What keys and buttons do.
 
-use egui::{Context, FocusDirection, Theme};
+use egui::{Context, Theme};
 use neumann_core::film::View as Part;
 use neumann_core::integrator::METHODS;
 use neumann_picture::tone::ToneCurve;
@@ -68,7 +68,13 @@ impl App {
                 let text = format!("Text at {percent:.0} % of its usual size");
                 self.shell.notices.remark_instead(ctx, "Text at ", text);
             }
-            Action::Controls => ctx.memory_mut(|m| m.move_focus(FocusDirection::Next)),
+            Action::Controls => match ctx.memory(|m| m.focused()) {
+                Some(id) => ctx.memory_mut(|m| m.surrender_focus(id)),
+                None => {
+                    self.shell.show_page(self.shell.page);
+                    self.shell.gives_panel_the_keyboard = true;
+                }
+            },
             Action::Theme => {
                 let is_dark = ctx.theme() == Theme::Dark;
                 ctx.set_theme(if is_dark { Theme::Light } else { Theme::Dark });
@@ -169,7 +175,7 @@ impl App {
                 } else {
                     self.shell.page = Page::Display;
                     let text =
-                        "No reference to hold the picture against; load one on the page Display";
+                        "No reference to hold the picture against; load one on the Display page";
                     self.shell.notices.failure(text);
                 }
             }

@@ -123,6 +123,16 @@ impl App {
         self.loading.as_ref()
     }
 
+    /// What stands in the window's title bar: scene, method and program.
+    #[must_use]
+    pub fn title(&self) -> String {
+        let setup = &self.session.setup;
+        match &setup.open {
+            Some(open) => format!("{} – {} – neumann", open.short_name(), setup.method().id),
+            None => "neumann".to_owned(),
+        }
+    }
+
     /// Draws one frame and acts on its input.
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
@@ -144,7 +154,9 @@ impl App {
             let text = format!("Flying at {speed} scene radii a second");
             self.shell.notices.remark_instead(&ctx, "Flying at ", text);
         }
+        self.follow_exposure();
         self.session.refresh(&mut self.viewing.settings);
+        self.follow_exposure();
 
         let is_presenting = self.shell.is_presenting;
         self.shell.text_scale.apply(&ctx, is_presenting);
@@ -155,6 +167,7 @@ impl App {
         } else {
             self.surroundings(ui)
         };
+        self.follow_exposure();
         let room = stage.size() * ctx.pixels_per_point();
         let look = (ctx.zoom_factor(), is_presenting);
         let looks_different = std::mem::replace(&mut self.look, look) != look;
@@ -200,6 +213,11 @@ impl App {
         {
             ctx.request_repaint_after(rest);
         }
+    }
+
+    fn follow_exposure(&mut self) {
+        let viewing = &mut self.viewing;
+        viewing.set_exposure.follow(&mut viewing.settings);
     }
 
     /// Draws bars, filmstrip and panel; yields what they leave for the picture.

@@ -15,7 +15,8 @@ use crate::compared::Reference;
 use crate::display::Against;
 use crate::notices::Offer;
 use crate::options::Exposure;
-use crate::scene_source::{Arrival, Wanted};
+use crate::panels;
+use crate::scene_source::{Arrival, Wanted, in_home};
 use crate::setup::FilmSize;
 use crate::state;
 
@@ -36,6 +37,7 @@ impl App {
 
     /// Opens a scene by name or path, or takes up the state in a file.
     pub fn open_path(&mut self, source: String) {
+        let source = in_home(PathBuf::from(source)).display().to_string();
         let extension = Path::new(&source).extension();
         if extension.is_none_or(|ending| !ending.eq_ignore_ascii_case("json")) {
             self.open_scene(source);
@@ -106,6 +108,8 @@ impl App {
             self.expose_for(&source);
         }
         self.session.setup.take_scene(source, scene);
+        let is_of_former = |o: &Offer| matches!(o, Offer::PutSkyBack(_)) || is_of_a_drop(o);
+        self.shell.notices.withdraw(is_of_former);
         self.shell.material = None;
         self.viewing.settings.zoom = None;
         self.map_to_come = None;
@@ -184,7 +188,9 @@ impl App {
 
     /// Offers to look through backs that hide much of what the camera is to see.
     fn tell_of_backs(&mut self) {
-        self.shell.notices.withdraw(Offer::LookThroughBacks);
+        self.shell
+            .notices
+            .withdraw(|offer| matches!(offer, Offer::LookThroughBacks));
         let (Some(open), Some(control)) = (&self.session.setup.open, &self.session.setup.camera)
         else {
             return;
@@ -199,16 +205,21 @@ impl App {
         }
     }
 
-    /// Whoever made a file had another program's exposure in mind; a built-in scene suits exposure
-    /// 0.
+    /// Whoever made a file had another program's exposure in mind; a built-in scene has its own,
+    /// unless another one has been set.
     fn expose_for(&mut self, source: &str) {
+        let settings = &mut self.viewing.settings;
+        let before = self.session.setup.open.as_ref();
+        let before = before.map_or(0.0, |open| exposure_of(&open.source));
         if builtin(source).is_none() {
-            self.viewing.settings.is_auto = true;
+            settings.is_auto = true;
             self.exposes_by_itself = true;
-        } else if self.exposes_by_itself && self.viewing.settings.is_auto {
-            self.viewing.settings.is_auto = false;
-            self.viewing.settings.exposure_ev = 0.0;
+        } else if self.exposes_by_itself && settings.is_auto {
+            settings.is_auto = false;
+            settings.exposure_ev = exposure_of(source);
             self.exposes_by_itself = false;
+        } else if !settings.is_auto && settings.exposure_ev.to_bits() == before.to_bits() {
+            settings.exposure_ev = exposure_of(source);
         }
     }
 
@@ -229,7 +240,7 @@ impl App {
         let mut text = warnings[..warnings.len().min(MOST)].join("\n");
         if warnings.len() > MOST {
             text += &format!(
-                "\nand {} more; see the end of the page Scene",
+                "\nand {} more; see the end of the Scene page",
                 warnings.len() - MOST
             );
         }
@@ -239,7 +250,21 @@ impl App {
     /// Does what a notice offers.
     pub(super) fn accept(&mut self, offer: Offer) {
         match offer {
-            Offer::RemoveSky => self.session.setup.choose_sky(None),
+            Offer::RemoveSky => {
+                panels::remove_sky(&mut self.session.setup, &mut self.shell.notices);
+            }
+            Offer::PutSkyBack(former) => self.session.setup.put_sky_back(former),
+            Offer::TakeAsReference(path, former) => {
+                if let Some(former) = former {
+                    self.session.setup.put_sky_back(former);
+                }
+                self.shell.background.open_reference(path);
+            }
+            Offer::TakeAsSky(path) => {
+                self.session.picture.reference = None;
+                self.viewing.settings.difference = None;
+                self.shell.background.open_environment(path);
+            }
             Offer::LookThroughBacks => {
                 self.session.setup.choose_backs(Backs::SeeThrough);
                 // What was behind them may stand in the dark.
@@ -271,6 +296,7 @@ impl App {
                 Arrival::Chosen(Wanted::Reference, path) => {
                     self.shell.background.open_reference(path);
                 }
+                Arrival::Dropped(wanted, path) => self.take_dropped_picture(wanted, path),
                 Arrival::Saved(Ok(text)) => self.shell.notices.remark(ctx, text),
                 Arrival::Environment(_, Err(error))
                 | Arrival::Reference(Err(error))
@@ -324,15 +350,43 @@ impl App {
         }
     }
 
+    /// Takes a dropped picture for what it most likely is, and offers to take it for the other.
+    fn take_dropped_picture(&mut self, wanted: Wanted, path: PathBuf) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let notices = &mut self.shell.notices;
+        notices.withdraw(is_of_a_drop);
+        if wanted == Wanted::Environment {
+            let text = format!("{name} is taken for a sky, as it is twice as wide as high");
+            let former = self.session.setup.sky_as_it_is();
+            let offer = Offer::TakeAsReference(path.clone(), former);
+            notices.offer(text, "Use as reference", offer);
+            self.shell.background.open_environment(path);
+        } else {
+            let text = format!("{name} is taken for a reference to compare with");
+            notices.offer(text, "Use as sky", Offer::TakeAsSky(path.clone()));
+            self.shell.background.open_reference(path);
+        }
+    }
+
     pub(super) fn take_dropped_files(&mut self, ctx: &Context) {
         let files = ctx.input(|i| i.raw.dropped_files.clone());
         for path in files.iter().map(|file| file.path().to_owned()) {
             let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
             match extension.to_str() {
                 Some("hdr") => self.shell.background.open_environment(path),
-                Some("exr") => self.shell.background.open_reference(path),
+                Some("exr") => self.shell.background.recognise(path),
                 _ => self.open_path(path.display().to_string()),
             }
         }
     }
+}
+
+/// Exposure that a built-in scene is made for, stops. The furnace has radiance 2 from everywhere,
+/// which would be white; two stops less leave its terms apart.
+fn exposure_of(source: &str) -> f32 {
+    if source == "furnace" { -2.0 } else { 0.0 }
+}
+
+fn is_of_a_drop(offer: &Offer) -> bool {
+    matches!(offer, Offer::TakeAsReference(..) | Offer::TakeAsSky(_))
 }

@@ -28,7 +28,7 @@ pub enum Action {
     Row(bool),
     /// The method so many places further.
     Method(i32),
-    /// Pause or go on.
+    /// Pause or resume.
     Pause,
     /// Begin again.
     Restart,
@@ -78,7 +78,7 @@ pub enum Action {
     Panels,
     /// Show a panel.
     Panel(usize),
-    /// Give the keyboard to the controls.
+    /// Give the keyboard to the panel, or take it away.
     Controls,
     /// Light or dark.
     Theme,

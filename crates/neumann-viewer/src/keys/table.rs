@@ -120,13 +120,13 @@ pub static HELP: &[HelpLine] = &[
     line(
         RENDERING,
         "Space",
-        "pause, go on",
+        "pause, resume",
         &[on(NONE, Key::Space, Action::Pause)],
     ),
     line(
         RENDERING,
         "R",
-        "begin again",
+        "restart",
         &[on(NONE, Key::R, Action::Restart)],
     ),
     line(CAMERA, "drag", "orbit", &[]),
@@ -213,7 +213,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         DISPLAY,
         "G",
-        "difference to the reference",
+        "difference from the reference",
         &[on(NONE, Key::G, Action::Difference)],
     ),
     line(
@@ -284,7 +284,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         WINDOW,
         "F6",
-        "to the controls; Esc leaves",
+        "to the panel and back",
         &[on(NONE, Key::F6, Action::Controls)],
     ),
     line(

@@ -4,21 +4,24 @@ use egui::Ui;
 
 use crate::keys::Action;
 use crate::session::Session;
-use crate::setup::FilmSize;
+use crate::setup::{FilmSize, Setup};
 use crate::shell::Shell;
 use crate::theme::GRID;
-use crate::widgets::{Slider, button, choice_row, fact, heading, paragraph, rule, significant};
+use crate::widgets::{
+    Slider, button, explained_choice, fact, heading, paragraph, row_button, rule, significant,
+};
 
 pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     let setup = &mut session.setup;
     heading(ui, "Camera");
+    let n_cameras = cameras(ui, setup);
     let aspect = setup.size.0.max(1) as f32 / setup.size.1.max(1) as f32;
     let Some(control) = &mut setup.camera else {
         paragraph(ui, "There is none without a scene.");
         return;
     };
     let name = control.camera().name.clone();
-    if !name.is_empty() {
+    if n_cameras < 2 && !name.is_empty() {
         paragraph(ui, &name);
     }
     ui.add_space(GRID / 2.0);
@@ -27,8 +30,8 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
             .map(|c| significant(f64::from((c * 1000.0).round() / 1000.0), 4))
             .join("  ")
     };
-    fact(ui, "eye", &place(control.eye()));
-    fact(ui, "target", &place(control.target()));
+    fact(ui, "Eye", &place(control.eye()));
+    fact(ui, "Target", &place(control.target()));
     let mut is_changed = false;
     ui.add_space(GRID / 2.0);
     ui.horizontal(|ui| {
@@ -44,7 +47,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     ui.add_space(GRID);
     if let Some(fov) = control.fov() {
         let mut degrees = f64::from(fov.to_degrees());
-        let slider = Slider::new("field of view", 1.0, 170.0)
+        let slider = Slider::new("Field of view", 1.0, 170.0)
             .unit("°")
             .about("Vertical angle of view.");
         if slider.show(ui, &mut degrees).changed() {
@@ -57,14 +60,15 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     let radius = f64::from(control.radius());
     let mut lens = control.lens();
     let mut aperture = f64::from(lens.aperture);
-    let opening = Slider::new("aperture", 0.0, radius * 0.5)
+    let opening = Slider::new("Aperture", 0.0, radius * 0.5)
         .unit("m")
         .logarithmic(true)
         .default(0.0)
-        .about("Diameter of the opening; 0 is a pinhole, where everything is sharp.");
+        .zero("off")
+        .about("Diameter of the opening. Off is a pinhole, where everything is sharp.");
     let mut is_lens_changed = opening.show(ui, &mut aperture).changed();
     let mut focus = f64::from(lens.focus_distance);
-    let distance = Slider::new("focus", radius * 0.01, radius * 10.0)
+    let distance = Slider::new("Focus", radius * 0.01, radius * 10.0)
         .unit("m")
         .logarithmic(true)
         .about("Distance of the plane that is sharp.");
@@ -80,22 +84,47 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     film(ui, session, shell);
 }
 
+/// The cameras of the file, where there are several; yields their number.
+fn cameras(ui: &mut Ui, setup: &mut Setup) -> usize {
+    let Some(open) = &setup.open else { return 0 };
+    let cameras = open.scene.cameras();
+    let mut chosen = None;
+    if cameras.len() > 1 {
+        for (i, camera) in cameras.iter().enumerate() {
+            let name = if camera.name.is_empty() {
+                format!("Camera {i}")
+            } else {
+                camera.name.clone()
+            };
+            if row_button(ui, &name, "", i == open.camera).clicked() {
+                chosen = Some(i);
+            }
+        }
+    }
+    let n_cameras = cameras.len();
+    if let Some(i) = chosen {
+        setup.take_camera(i);
+    }
+    n_cameras
+}
+
 /// The size of the film, and where it comes from.
 fn film(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     rule(ui);
     heading(ui, "Film");
     let setup = &mut session.setup;
     let (width, height) = setup.size;
-    fact(ui, "size", &format!("{width} × {height}"));
+    fact(ui, "Size", &format!("{width} × {height}"));
     let chosen = match setup.film_size {
         FilmSize::Window => 0,
         FilmSize::Locked => 1,
         FilmSize::Fixed(..) => 2,
     };
     let before = setup.film_size;
-    match choice_row(
+    match explained_choice(
         ui,
-        "size follows",
+        "Size follows",
+        "What decides how many pixels the film has.",
         &["window", "nothing", "numbers"],
         chosen,
     ) {
@@ -111,7 +140,7 @@ fn film(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
         ),
         FilmSize::Locked => paragraph(ui, "The size stays as it is, whatever begins anew."),
         FilmSize::Fixed(width, height) => {
-            for (name, side) in [("width", width), ("height", height)] {
+            for (name, side) in [("Width", width), ("Height", height)] {
                 let mut number = *side as f64;
                 Slider::new(name, 16.0, 8192.0)
                     .unit("pixels")

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use egui::Ui;
 use neumann_core::scene::{Appearance, Level, Sky};
 
-use crate::notices::Offer;
+use crate::notices::{Notices, Offer};
 use crate::scene_source::Wanted;
 use crate::setup::Setup;
 use crate::shell::Shell;
-use crate::widgets::{Slider, button, choice_row, fold, hint, switch, text_field};
+use crate::widgets::{Slider, button, explained_choice, fold, hint, path_field, switch};
 
 pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
     let Some(open) = &setup.open else { return };
@@ -33,6 +33,25 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
     }
 }
 
+/// Takes the sky away, says what that means, and offers to put it back.
+pub(crate) fn remove_sky(setup: &mut Setup, notices: &mut Notices) {
+    let Some(former) = setup.sky_as_it_is() else {
+        return;
+    };
+    notices.withdraw(|o| matches!(o, Offer::RemoveSky | Offer::PutSkyBack(_)));
+    setup.choose_sky(None);
+    let is_dark = setup
+        .open
+        .as_ref()
+        .is_some_and(|open| open.scene.lights().is_empty());
+    let text = if is_dark {
+        "The sky is removed, and nothing shines now"
+    } else {
+        "The sky is removed"
+    };
+    notices.offer(text, "Put back", Offer::PutSkyBack(former));
+}
+
 fn lights(ui: &mut Ui, appearance: &mut Appearance) -> bool {
     /// More would make the panel a phone book.
     const MOST: usize = 24;
@@ -45,13 +64,13 @@ fn lights(ui: &mut Ui, appearance: &mut Appearance) -> bool {
         .zip(&mut appearance.material_levels)
         .enumerate()
         .filter(|(_, (m, _))| !m.emission.is_black())
-        .map(|(i, (m, level))| (("material", i, m.name.clone()), level));
+        .map(|(i, (m, level))| (("Material", i, m.name.clone()), level));
     let punctual = appearance
         .lights
         .iter()
         .zip(&mut appearance.light_levels)
         .enumerate()
-        .map(|(i, (light, level))| (("light", i, light.name.clone()), level));
+        .map(|(i, (light, level))| (("Light", i, light.name.clone()), level));
     for ((kind, i, name), level) in emitters.chain(punctual) {
         n_lights += 1;
         if n_shown < MOST {
@@ -67,9 +86,9 @@ fn lights(ui: &mut Ui, appearance: &mut Appearance) -> bool {
         }
     }
     if n_lights == 0 {
-        hint(ui, "none but the environment");
+        hint(ui, "None but the environment");
     } else if n_lights > n_shown {
-        hint(ui, &format!("and {} more", n_lights - n_shown));
+        hint(ui, &format!("And {} more", n_lights - n_shown));
     }
     is_changed
 }
@@ -78,7 +97,7 @@ fn level_row(ui: &mut Ui, name: &str, level: &mut Level) -> bool {
     let mut is_changed = switch(ui, name, &mut level.is_on).changed();
     if level.is_on {
         let mut brightness = f64::from(level.brightness);
-        let slider = Slider::new("brightness", 0.01, 100.0)
+        let slider = Slider::new("Brightness", 0.01, 100.0)
             .logarithmic(true)
             .default(1.0);
         if slider.show(ui, &mut brightness).changed() {
@@ -104,17 +123,29 @@ fn environment(
     };
     let mut names: Vec<&str> = Sky::ALL.iter().map(|sky| sky.name()).collect();
     names.push("none");
-    let clicked = choice_row(ui, "sky", &names, chosen.unwrap_or(usize::MAX));
+    let clicked = explained_choice(
+        ui,
+        "Sky",
+        "What stands around the scene and shines from all sides.",
+        &names,
+        chosen.unwrap_or(usize::MAX),
+    );
     if let Some(i) = clicked.filter(|i| Some(*i) != chosen) {
-        shell.notices.withdraw(Offer::RemoveSky);
-        setup.choose_sky(Sky::ALL.get(i).copied());
+        match Sky::ALL.get(i) {
+            Some(sky) => {
+                let is_of_sky = |o: &Offer| matches!(o, Offer::RemoveSky | Offer::PutSkyBack(_));
+                shell.notices.withdraw(is_of_sky);
+                setup.choose_sky(Some(*sky));
+            }
+            None => remove_sky(setup, &mut shell.notices),
+        }
         return false;
     }
     if let Some(map) = &appearance.environment {
         hint(ui, &format!("{}, {} × {}", map.name, map.width, map.height));
         let mut rotation = f64::from(map.rotation.to_degrees());
-        is_changed |= level_row(ui, "environment", &mut appearance.environment_level);
-        let slider = Slider::new("rotation", -180.0, 180.0)
+        is_changed |= level_row(ui, "Environment light", &mut appearance.environment_level);
+        let slider = Slider::new("Rotation", -180.0, 180.0)
             .unit("°")
             .default(0.0);
         if slider.show(ui, &mut rotation).changed()
@@ -124,13 +155,14 @@ fn environment(
             is_changed = true;
         }
     }
-    text_field(
+    let is_entered = path_field(
         ui,
-        "path of a .hdr or .exr map",
+        "Path of a .hdr or .exr map",
         &mut shell.fields.environment,
     );
     ui.horizontal(|ui| {
-        if button(ui, "Load").clicked() && !shell.fields.environment.trim().is_empty() {
+        let is_pressed = button(ui, "Load").clicked();
+        if (is_pressed || is_entered) && !shell.fields.environment.trim().is_empty() {
             let path = PathBuf::from(shell.fields.environment.trim());
             shell.background.open_environment(path);
         }

@@ -55,7 +55,7 @@ fn editor(
     material: &mut MaterialDescription,
     original: Option<&MaterialDescription>,
 ) -> bool {
-    let mut is_changed = color_sliders(ui, "base colour", &mut material.base_color, 1.0);
+    let mut is_changed = color_sliders(ui, "Base colour", &mut material.base_color, 1.0);
     let default = MaterialDescription::default();
     let original = original.unwrap_or(&default);
     let mut number = |name: &str, value: &mut f32, home: f32, min: f64, max: f64| {
@@ -67,42 +67,42 @@ fn editor(
         }
     };
     number(
-        "roughness",
+        "Roughness",
         &mut material.roughness,
         original.roughness,
         0.0,
         1.0,
     );
     number(
-        "metallic",
+        "Metallic",
         &mut material.metallic,
         original.metallic,
         0.0,
         1.0,
     );
     number(
-        "specular",
+        "Specular",
         &mut material.specular,
         original.specular,
         0.0,
         1.0,
     );
     number(
-        "transmission",
+        "Transmission",
         &mut material.transmission,
         original.transmission,
         0.0,
         1.0,
     );
     number(
-        "index of refraction",
+        "Index of refraction",
         &mut material.ior,
         original.ior,
         1.0,
         3.0,
     );
     let mut strength = f64::from(material.emission.max_channel());
-    let emission = Slider::new("emission", 0.0, 1000.0)
+    let emission = Slider::new("Emission", 0.0, 1000.0)
         .logarithmic(true)
         .default(f64::from(original.emission.max_channel()))
         .about("Radiance of the brightest channel, W m⁻² sr⁻¹.");

@@ -11,7 +11,7 @@ use crate::setup::Setup;
 use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::views::{VIEWS, Views};
-use crate::widgets::{Slider, button, choice_row, heading, paragraph, rule, switch};
+use crate::widgets::{Slider, button, explained_choice, heading, paragraph, rule, switch};
 
 pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mut Shell) {
     let setup = &mut session.setup;
@@ -35,7 +35,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mu
     rule(ui);
     heading(ui, "Series");
     let mut bounces = f64::from(setup.max_bounces);
-    let longest = Slider::new("longest path", 0.0, 128.0)
+    let longest = Slider::new("Longest path", 0.0, 128.0)
         .step(1.0)
         .default(16.0)
         .unit("bounces")
@@ -45,7 +45,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mu
         setup.is_changed = true;
     }
     let mut layers = setup.n_layers as f64;
-    let kept = Slider::new("terms kept apart", 1.0, 16.0)
+    let kept = Slider::new("Terms kept apart", 1.0, 16.0)
         .step(1.0)
         .default(8.0)
         .about("Light scattered more often goes into the tail.");
@@ -54,7 +54,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mu
         setup.is_changed = true;
     }
     let mut seed = setup.seed as f64;
-    let seeds = Slider::new("seed", 0.0, 999.0)
+    let seeds = Slider::new("Seed", 0.0, 999.0)
         .step(1.0)
         .default(0.0)
         .about("Chooses the random numbers; the same seed makes the same picture.");
@@ -90,10 +90,10 @@ fn view_buttons(ui: &mut Ui, setup: &Setup, views: &Views, shell: &mut Shell) {
 fn run(ui: &mut Ui, setup: &mut Setup, link: &mut RenderLink) {
     ui.horizontal(|ui| {
         let is_paused = link.is_paused();
-        if button(ui, if is_paused { "Go on" } else { "Pause" }).clicked() {
+        if button(ui, if is_paused { "Resume" } else { "Pause" }).clicked() {
             link.pause(!is_paused);
         }
-        if button(ui, "Begin again").clicked() {
+        if button(ui, "Restart").clicked() {
             setup.is_changed = true;
         }
     });
@@ -103,9 +103,10 @@ fn run(ui: &mut Ui, setup: &mut Setup, link: &mut RenderLink) {
         StopRule::Iterations(_) => 1,
         StopRule::Seconds(_) => 2,
     };
-    match choice_row(
+    match explained_choice(
         ui,
-        "stop after",
+        "Stop after",
+        "When rendering ends by itself. A change of it begins nothing anew.",
         &["never", "iterations", "seconds"],
         chosen,
     ) {
@@ -118,14 +119,14 @@ fn run(ui: &mut Ui, setup: &mut Setup, link: &mut RenderLink) {
         StopRule::Never => {}
         StopRule::Iterations(n) => {
             let mut number = f64::from(*n);
-            let slider = Slider::new("iterations", 1.0, 65536.0)
+            let slider = Slider::new("Iterations", 1.0, 65536.0)
                 .step(1.0)
                 .logarithmic(true);
             slider.show(ui, &mut number);
             *n = number as u32;
         }
         StopRule::Seconds(seconds) => {
-            let slider = Slider::new("seconds", 1.0, 36000.0)
+            let slider = Slider::new("Seconds", 1.0, 36000.0)
                 .unit("s")
                 .logarithmic(true);
             slider.show(ui, seconds);
@@ -133,6 +134,15 @@ fn run(ui: &mut Ui, setup: &mut Setup, link: &mut RenderLink) {
     }
     if setup.stop != before {
         link.stop_after(setup.stop);
+    }
+}
+
+/// What 0 means, where it is no number.
+fn word_for_zero(parameter: &str) -> &'static str {
+    match parameter {
+        "gather" => "off",
+        "nearest" => "all",
+        _ => "",
     }
 }
 
@@ -148,6 +158,7 @@ fn parameter_row(ui: &mut Ui, parameter: &'static Parameter, values: &mut Parame
                 .default(default as f64)
                 .unit(parameter.unit)
                 .about(parameter.about)
+                .zero(word_for_zero(parameter.name))
                 .logarithmic(min > 0 && max / min.max(1) > 100)
                 .show(ui, &mut number)
                 .changed()
@@ -180,7 +191,7 @@ fn parameter_row(ui: &mut Ui, parameter: &'static Parameter, values: &mut Parame
             is_changed.then_some(Value::Switch(is_on))
         }
         (ParameterKind::Choice { options, .. }, Value::Choice(v)) => {
-            choice_row(ui, parameter.title, options, v).map(Value::Choice)
+            explained_choice(ui, parameter.title, parameter.about, options, v).map(Value::Choice)
         }
         _ => None,
     };

@@ -7,6 +7,8 @@ mod materials;
 mod method;
 mod scene;
 
+pub(crate) use lights::remove_sky;
+
 use egui::{Margin, Rect, ScrollArea, Ui, UiBuilder};
 
 use crate::session::Session;
@@ -60,9 +62,10 @@ pub fn show(
     let inner = rect.shrink2(egui::vec2(2.0 * GRID, 0.0));
     ui.scope_builder(UiBuilder::new().max_rect(inner).id_salt("panel"), |ui| {
         ui.add_space(GRID / 2.0);
+        let takes_keyboard = std::mem::take(&mut shell.gives_panel_the_keyboard);
         let titles = Page::ALL.map(Page::title);
         let chosen = Page::ALL.iter().position(|page| *page == shell.page);
-        if let Some(i) = tabs(ui, &titles, chosen.unwrap_or(0)) {
+        if let Some(i) = tabs(ui, &titles, chosen.unwrap_or(0), takes_keyboard) {
             shell.page = Page::ALL[i];
         }
         ui.add_space(GRID / 2.0);

@@ -1,6 +1,6 @@
-//! The scene: what it is, where others are, its cameras, lights, materials and environment.
+//! The scene: what it is, where others are, its lights, materials and environment.
 
-use egui::{Key, Ui};
+use egui::Ui;
 use neumann_core::scene::Backs;
 use neumann_core::scene::builtin::BUILTINS;
 
@@ -10,14 +10,13 @@ use crate::setup::Setup;
 use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::widgets::{
-    button, fact, fold, heading, hint, paragraph, row_button, switch, text_field,
+    button, fact, fold, heading, hint, paragraph, path_field, row_button, switch,
 };
 
 pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
     about(ui, setup);
     ui.add_space(GRID);
-    let field = text_field(ui, "path of a scene", &mut shell.fields.scene);
-    let is_entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
+    let is_entered = path_field(ui, "Path of a scene", &mut shell.fields.scene);
     ui.horizontal(|ui| {
         let is_pressed = button(ui, "Open").clicked();
         if (is_pressed || is_entered) && !shell.fields.scene.trim().is_empty() {
@@ -28,7 +27,7 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
             shell.background.choose(Wanted::Scene);
         }
     });
-    hint(ui, "or drop a .gltf or .glb file on the window");
+    hint(ui, "Or drop a .gltf or .glb file on the window");
 
     if fold(ui, "Built-in scenes", true) {
         let open = setup.open.as_ref().map(|open| open.source.as_str());
@@ -50,7 +49,6 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
         }
     }
     if setup.open.is_some() {
-        cameras(ui, setup);
         backs(ui, setup, &mut shell.notices);
         super::lights::show(ui, setup, shell);
         super::materials::show(ui, setup, &mut shell.material);
@@ -73,39 +71,18 @@ fn about(ui: &mut Ui, setup: &Setup) {
     }
     ui.add_space(GRID / 2.0);
     let statistics = open.scene.statistics();
-    fact(ui, "triangles", &statistics.n_triangles.to_string());
+    fact(ui, "Triangles", &statistics.n_triangles.to_string());
     fact(
         ui,
-        "of them emissive",
+        "Emissive triangles",
         &statistics.n_area_lights.to_string(),
     );
     if statistics.n_punctual_lights > 0 {
         fact(
             ui,
-            "punctual lights",
+            "Punctual lights",
             &statistics.n_punctual_lights.to_string(),
         );
-    }
-}
-
-fn cameras(ui: &mut Ui, setup: &mut Setup) {
-    let Some(open) = &setup.open else { return };
-    if open.scene.cameras().len() < 2 || !fold(ui, "Cameras", true) {
-        return;
-    }
-    let mut chosen = None;
-    for (i, camera) in open.scene.cameras().iter().enumerate() {
-        let name = if camera.name.is_empty() {
-            format!("camera {i}")
-        } else {
-            camera.name.clone()
-        };
-        if row_button(ui, &name, "", i == open.camera).clicked() {
-            chosen = Some(i);
-        }
-    }
-    if let Some(i) = chosen {
-        setup.take_camera(i);
     }
 }
 
@@ -116,9 +93,9 @@ fn backs(ui: &mut Ui, setup: &mut Setup, notices: &mut Notices) {
         return;
     }
     let mut is_on = open.scene.appearance().backs == Backs::SeeThrough;
-    let response = switch(ui, "look through backs", &mut is_on);
+    let response = switch(ui, "Look through backs", &mut is_on);
     if response.changed() {
-        notices.withdraw(Offer::LookThroughBacks);
+        notices.withdraw(|offer| matches!(offer, Offer::LookThroughBacks));
         let backs = [Backs::Solid, Backs::SeeThrough][usize::from(is_on)];
         setup.choose_backs(backs);
     }
@@ -140,6 +117,6 @@ fn warnings(ui: &mut Ui, setup: &Setup) {
         paragraph(ui, warning);
     }
     if warnings.len() > MOST {
-        paragraph(ui, &format!("and {} more", warnings.len() - MOST));
+        paragraph(ui, &format!("And {} more", warnings.len() - MOST));
     }
 }

@@ -13,20 +13,21 @@ pub use button::{button, icon_button, row_button};
 pub use color::color_sliders;
 pub use fold::fold;
 pub use icon::Icon;
-pub use segmented::{choice_row, segmented, segmented_width, tabs};
+pub use segmented::{choice_row, explained_choice, segmented, segmented_width, segments, tabs};
 pub use slider::{Slider, significant};
 pub use switch::switch;
-pub use text::{fact, heading, hint, paragraph, rule, text_field};
+pub use text::{fact, heading, hint, paragraph, path_field, rule, text_field};
 
 use egui::{Response, Stroke, StrokeKind, Ui};
 
 use crate::theme::Palette;
 
-/// Outlines a control while it has the keyboard.
+/// Outlines a control while it has the keyboard: strong and with a gap, as amber is for what is
+/// chosen.
 pub fn focus_ring(ui: &Ui, response: &Response, rect: egui::Rect, radius: u8) {
     if response.has_focus() {
-        let stroke = Stroke::new(1.5, Palette::of(ui).amber);
+        let stroke = Stroke::new(2.0, Palette::of(ui).strong);
         ui.painter()
-            .rect_stroke(rect.expand(1.0), radius, stroke, StrokeKind::Outside);
+            .rect_stroke(rect.expand(2.0), radius + 2, stroke, StrokeKind::Outside);
     }
 }

@@ -21,14 +21,26 @@ fn segment_width(ui: &Ui, label: &str) -> f32 {
 
 /// A row of segments of which one is chosen; yields the one that was clicked.
 pub fn segmented(ui: &mut Ui, name: &str, labels: &[&str], chosen: usize) -> Option<usize> {
+    segments(ui, name, labels, |_| String::new(), chosen)
+}
+
+/// As [`segmented`], where `about` says what each of them is.
+pub fn segments(
+    ui: &mut Ui,
+    name: &str,
+    labels: &[&str],
+    about: impl Fn(usize) -> String,
+    chosen: usize,
+) -> Option<usize> {
     let widths: Vec<f32> = labels.iter().map(|l| segment_width(ui, l)).collect();
-    row_of_segments(ui, name, labels, chosen, &widths)
+    row_of_segments(ui, name, labels, &about, chosen, &widths)
 }
 
 fn row_of_segments(
     ui: &mut Ui,
     name: &str,
     labels: &[&str],
+    about: &dyn Fn(usize) -> String,
     chosen: usize,
     widths: &[f32],
 ) -> Option<usize> {
@@ -67,6 +79,10 @@ fn row_of_segments(
         if response.clicked() {
             clicked = Some(i);
         }
+        let about = about(i);
+        if !about.is_empty() {
+            response.on_hover_text(about);
+        }
     }
     clicked
 }
@@ -81,7 +97,9 @@ fn ground(ui: &Ui) -> egui::Color32 {
 }
 
 /// Tabs over a panel: words, the chosen one underlined; yields the one that was clicked.
-pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize) -> Option<usize> {
+///
+/// The chosen one is given the keyboard if `takes_keyboard`.
+pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize, takes_keyboard: bool) -> Option<usize> {
     let p = Palette::of(ui);
     let (bar, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), 32.0), Sense::hover());
     let width = |label: &&str| {
@@ -120,7 +138,10 @@ pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize) -> Option<usize> {
             let line = Rect::from_min_max(pos2(rect.left(), rect.bottom() - 2.0), rect.max);
             ui.painter().rect_filled(line, 0, p.amber);
         }
-        focus_ring(ui, &response, rect.shrink2(Vec2::new(-4.0, 4.0)), 4);
+        if is_chosen && takes_keyboard {
+            response.request_focus();
+        }
+        focus_ring(ui, &response, rect.shrink2(Vec2::new(-4.0, 6.0)), 4);
         response
             .widget_info(|| WidgetInfo::selected(Role::Tab, ui.is_enabled(), is_chosen, *label));
         if response.clicked() {
@@ -132,8 +153,23 @@ pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize) -> Option<usize> {
 
 /// A name, and below it a row of segments as wide as the panel; yields the one that was clicked.
 pub fn choice_row(ui: &mut Ui, name: &str, labels: &[&str], chosen: usize) -> Option<usize> {
+    explained_choice(ui, name, "", labels, chosen)
+}
+
+/// As [`choice_row`], with a sentence that says what is chosen.
+pub fn explained_choice(
+    ui: &mut Ui,
+    name: &str,
+    about: &str,
+    labels: &[&str],
+    chosen: usize,
+) -> Option<usize> {
     ui.add_space(GRID / 2.0);
-    ui.label(name);
+    let label = ui.label(name);
+    if !about.is_empty() {
+        label.on_hover_text(about);
+    }
+    let about = |_| about.to_owned();
     // Closer together than in a bar, so that five words fit a panel.
     let natural: Vec<f32> = labels
         .iter()
@@ -144,7 +180,7 @@ pub fn choice_row(ui: &mut Ui, name: &str, labels: &[&str], chosen: usize) -> Op
     if total <= room {
         let spare = (room - total) / labels.len().max(1) as f32;
         let widths: Vec<f32> = natural.iter().map(|w| w + spare).collect();
-        return row_of_segments(ui, name, labels, chosen, &widths);
+        return row_of_segments(ui, name, labels, &about, chosen, &widths);
     }
     let mut clicked = None;
     for (i, label) in labels.iter().enumerate() {

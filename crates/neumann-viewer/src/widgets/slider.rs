@@ -17,6 +17,7 @@ pub struct Slider<'a> {
     step: Option<f64>,
     default: Option<f64>,
     about: &'a str,
+    zero: &'a str,
 }
 
 impl<'a> Slider<'a> {
@@ -31,7 +32,15 @@ impl<'a> Slider<'a> {
             step: None,
             default: None,
             about: "",
+            zero: "",
         }
+    }
+
+    /// What stands in place of the number where it is 0.
+    #[must_use]
+    pub fn zero(mut self, zero: &'a str) -> Self {
+        self.zero = zero;
+        self
     }
 
     /// Shown behind the number.
@@ -197,7 +206,7 @@ impl<'a> Slider<'a> {
             WidgetInfo::labeled(
                 Role::Button,
                 ui.is_enabled(),
-                format!("reset {}", self.name),
+                format!("Reset {}", lower(self.name)),
             )
         });
         if reset.clicked()
@@ -205,7 +214,7 @@ impl<'a> Slider<'a> {
         {
             *value = default;
         }
-        reset.on_hover_text("reset");
+        reset.on_hover_text("Back to the usual value");
     }
 
     /// The number; a click turns it into a text field.
@@ -226,7 +235,7 @@ impl<'a> Slider<'a> {
             );
             focus_ring(ui, &response, rect, 4);
             response.widget_info(|| {
-                let name = format!("type {}", self.name);
+                let name = format!("Type {}", lower(self.name));
                 WidgetInfo::labeled(Role::Button, ui.is_enabled(), name)
             });
             if response.clicked() {
@@ -255,6 +264,9 @@ impl<'a> Slider<'a> {
     }
 
     fn in_words(&self, value: f64) -> String {
+        if value == 0.0 && !self.zero.is_empty() {
+            return self.zero.to_owned();
+        }
         let number = match self.step {
             Some(step) if step >= 1.0 => format!("{value:.0}"),
             _ => significant(value, 3),
@@ -314,6 +326,13 @@ impl<'a> Slider<'a> {
     }
 }
 
+/// A name within a sentence.
+fn lower(name: &str) -> String {
+    let mut characters = name.chars();
+    let first = characters.next().into_iter().flat_map(char::to_lowercase);
+    first.chain(characters).collect()
+}
+
 /// A number with so many significant figures, without needless zeros.
 #[must_use]
 pub fn significant(value: f64, figures: usize) -> String {
@@ -352,6 +371,13 @@ mod tests {
                 assert!((back - fraction).abs() < 1e-9, "{fraction} {back}");
             }
         }
+    }
+
+    #[test]
+    fn nothing_has_a_word() {
+        let rays = Slider::new("rays", 0.0, 64.0).step(1.0).unit("rays");
+        assert_eq!(rays.in_words(0.0), "0 rays");
+        assert_eq!(rays.zero("off").in_words(0.0), "off");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Text in panels: headings, paragraphs, facts, fields.
 
-use egui::{Align2, Label, Response, RichText, Role, Sense, TextEdit, Ui, Vec2, WidgetInfo};
+use egui::{Align2, Key, Label, Response, RichText, Role, Sense, TextEdit, Ui, Vec2, WidgetInfo};
 
 use crate::theme::{self, GRID, Palette, ROW};
 
@@ -51,6 +51,12 @@ pub fn fact(ui: &mut Ui, name: &str, value: &str) {
         p.weak,
     );
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{name}: {value}")));
+}
+
+/// A field for a path; true when `Enter` says that it is complete.
+pub fn path_field(ui: &mut Ui, name: &str, path: &mut String) -> bool {
+    let field = text_field(ui, name, path);
+    field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter)) && !path.trim().is_empty()
 }
 
 /// A one-line text field with a name.

@@ -31,7 +31,7 @@ use legend::Legend;
 /// Its row.
 pub static ROW: Row = Row {
     id: ID,
-    title: "Photons",
+    title: "Show photons",
     about: "The photons of the map as points, by how often they were scattered or by their power",
     key: Some(keys::line(
         keys::DISPLAY,

@@ -26,7 +26,7 @@ use pictures::{Tile, TileRow};
 /// Its row.
 pub static ROW: Row = Row {
     id: ID,
-    title: "Techniques apart",
+    title: "Show techniques",
     about: "An image for each technique: s vertices from the light, t from the camera",
     key: Some(keys::line(
         keys::DISPLAY,

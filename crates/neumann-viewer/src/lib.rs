@@ -13,6 +13,7 @@ pub mod app;
 pub mod blind_spots;
 pub mod camera_control;
 pub mod display;
+pub mod file_list;
 pub mod filmstrip;
 pub mod flight;
 pub mod formula;

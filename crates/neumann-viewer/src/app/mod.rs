@@ -145,6 +145,10 @@ impl App {
         if self.is_loading() {
             ctx.request_repaint_after(PROGRESS_PERIOD);
         }
+        if let Some(list) = &mut self.shell.file_list {
+            let choice = list.take_keys(&ctx);
+            self.take_choice(choice);
+        }
         for action in keys::take_actions(&ctx) {
             self.perform(&ctx, action);
         }
@@ -188,6 +192,10 @@ impl App {
         viewing.views.draw(ui, &mut stage_of_view);
         if let Some(offer) = self.shell.notices.show(&ctx, stage) {
             self.accept(offer);
+        }
+        if let Some(list) = &mut self.shell.file_list {
+            let choice = list.show(&ctx);
+            self.take_choice(choice);
         }
         if self.shell.is_help_open {
             help::show(ui, &mut self.shell.is_help_open, &self.shell.places);

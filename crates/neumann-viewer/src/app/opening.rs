@@ -11,6 +11,7 @@ use neumann_core::scene::{Backs, Scene, SkyChoice};
 use neumann_picture::state::State;
 
 use super::{App, Loading};
+use crate::file_list::{Choice, FileList};
 use crate::notices::Offer;
 use crate::options::Exposure;
 use crate::panels;
@@ -290,21 +291,41 @@ impl App {
                         .set_reference(path, size, &image.pixels);
                     self.viewing.settings.is_difference = true;
                 }
-                Arrival::Chosen(Wanted::Scene, path) => {
-                    self.open_path(path.display().to_string());
-                }
-                Arrival::Chosen(Wanted::Environment, path) => {
-                    self.shell.background.open_environment(path);
-                }
-                Arrival::Chosen(Wanted::Reference, path) => {
-                    self.shell.background.open_reference(path);
-                }
+                Arrival::Chosen(wanted, path) => self.open_chosen(wanted, path),
+                Arrival::NoDialog(wanted) => self.list_files(wanted),
                 Arrival::Dropped(wanted, path) => self.take_dropped_picture(wanted, path),
                 Arrival::Saved(Ok(text)) => self.shell.notices.remark(ctx, text),
                 Arrival::Environment(_, Err(error))
                 | Arrival::Reference(_, Err(error))
                 | Arrival::Saved(Err(error)) => self.shell.notices.failure(error),
             }
+        }
+    }
+
+    fn open_chosen(&mut self, wanted: Wanted, path: PathBuf) {
+        match wanted {
+            Wanted::Scene => self.open_path(path.display().to_string()),
+            Wanted::Environment => self.shell.background.open_environment(path),
+            Wanted::Reference => self.shell.background.open_reference(path),
+        }
+    }
+
+    /// Shows files to choose from: those beside the open scene, or where the program was started.
+    pub fn list_files(&mut self, wanted: Wanted) {
+        let open = self.session.setup.open.as_ref();
+        let beside = open.and_then(|open| std::fs::canonicalize(&open.source).ok());
+        let folder = beside.and_then(|path| path.parent().map(Path::to_owned));
+        let folder = folder.or_else(|| std::env::current_dir().ok());
+        let folder = folder.unwrap_or_else(|| in_home(PathBuf::from("~")));
+        self.shell.file_list = Some(FileList::new(wanted, folder));
+    }
+
+    /// Does what the list of files came to.
+    pub(super) fn take_choice(&mut self, choice: Option<Choice>) {
+        let Some(choice) = choice else { return };
+        self.shell.file_list = None;
+        if let Choice::File(wanted, path) = choice {
+            self.open_chosen(wanted, path);
         }
     }
 

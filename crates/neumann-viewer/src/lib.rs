@@ -15,6 +15,7 @@ pub mod camera_control;
 pub mod command_line;
 pub mod compared;
 pub mod display;
+pub mod file_list;
 pub mod filmstrip;
 pub mod flight;
 pub mod formula;

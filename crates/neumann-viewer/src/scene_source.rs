@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
 
 use neumann_core::render::lit;
 use neumann_core::scene::description::DefaultSky;
@@ -28,6 +29,8 @@ pub enum Arrival {
     Measured(Outcome),
     /// A path was chosen in the desktop's dialog.
     Chosen(Wanted, PathBuf),
+    /// The desktop has no dialog.
+    NoDialog(Wanted),
     /// A picture was dropped on the window, and is most likely this.
     Dropped(Wanted, PathBuf),
     /// A file was written, or could not be.
@@ -44,6 +47,40 @@ pub enum Wanted {
     /// A reference picture.
     Reference,
 }
+
+impl Wanted {
+    /// What a dialog for it is called.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Scene => "Open a scene",
+            Self::Environment => "Open an environment map",
+            Self::Reference => "Open a reference picture",
+        }
+    }
+
+    /// What it is, for whoever chooses among kinds of files.
+    fn kind(self) -> &'static str {
+        match self {
+            Self::Scene => "glTF scenes and states",
+            Self::Environment => "Environment maps",
+            Self::Reference => "Pictures",
+        }
+    }
+
+    /// Endings of its files.
+    #[must_use]
+    pub fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Scene => &["gltf", "glb", "json"],
+            Self::Environment => &["hdr", "exr"],
+            Self::Reference => &["exr", "png", "hdr"],
+        }
+    }
+}
+
+/// Nobody closes a dialog so soon: it was never there.
+const SOONEST_CLOSED: Duration = Duration::from_millis(250);
 
 /// Runs work in the background and hands over what comes of it.
 pub struct Background {
@@ -159,19 +196,16 @@ impl Background {
     /// Asks for a file in the desktop's dialog.
     pub fn choose(&mut self, wanted: Wanted) {
         self.run("neumann-dialog", move || {
-            let dialog = rfd::FileDialog::new();
-            let dialog = match wanted {
-                Wanted::Scene => dialog
-                    .set_title("Open a scene")
-                    .add_filter("glTF scenes and states", &["gltf", "glb", "json"]),
-                Wanted::Environment => dialog
-                    .set_title("Open an environment map")
-                    .add_filter("Environment maps", &["hdr", "exr"]),
-                Wanted::Reference => dialog
-                    .set_title("Open a reference picture")
-                    .add_filter("Pictures", &["exr", "png", "hdr"]),
-            };
-            dialog.pick_file().map(|path| Arrival::Chosen(wanted, path))
+            let start = Instant::now();
+            let dialog = rfd::FileDialog::new().set_title(wanted.title());
+            let chosen = dialog
+                .add_filter(wanted.kind(), wanted.endings())
+                .pick_file();
+            match chosen {
+                Some(path) => Some(Arrival::Chosen(wanted, path)),
+                None if start.elapsed() < SOONEST_CLOSED => Some(Arrival::NoDialog(wanted)),
+                None => None,
+            }
         });
     }
 

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use egui::Context;
 
+use crate::file_list::FileList;
 use crate::gallery::Gallery;
 use crate::keys::{Action, Places};
 use crate::notices::Notices;
@@ -31,6 +32,8 @@ pub struct Shell {
     pub places: Places,
     /// The menu of methods is open.
     pub is_menu_open: bool,
+    /// The list of files to choose from, where the desktop has no dialog.
+    pub file_list: Option<FileList>,
     /// What stands in the text fields.
     pub fields: Fields,
     /// The material that is being edited.
@@ -98,6 +101,7 @@ impl Shell {
             is_help_open: false,
             places: Places::default(),
             is_menu_open: false,
+            file_list: None,
             fields: Fields::default(),
             material: None,
             gallery: Gallery::new(Arc::clone(&wake)),

@@ -27,7 +27,9 @@ use neumann_viewer::app::App;
 use neumann_viewer::command_line;
 use neumann_viewer::compared::Compared;
 use neumann_viewer::display::{Against, Slot};
+use neumann_viewer::file_list::FileList;
 use neumann_viewer::panels::Page;
+use neumann_viewer::scene_source::Wanted;
 use neumann_viewer::setup::FilmSize;
 use neumann_viewer::views::photons::PhotonView;
 use neumann_viewer::views::techniques::TechniqueView;
@@ -273,7 +275,7 @@ fn the_window_can_be_copied_as_a_command() {
     assert_eq!(
         command.text,
         "neumann render furnace --integrator pt-mis --size 96x96 --max-bounces 16 --layers 8 \
-         --seed 0 --camera 0 --iterations 64 --exposure 0 --tone none -o furnace-pt-mis.exr \
+         --seed 0 --camera 0 --iterations 64 --exposure=-2 --tone none -o furnace-pt-mis.exr \
          -o furnace-pt-mis.png"
     );
     assert!(command.leaves_out.is_empty());
@@ -1233,6 +1235,48 @@ fn dropped_pictures_are_told_apart_and_can_be_taken_for_the_other() {
         harness.state_mut().session.setup.sky = None;
         harness.run_steps(2);
     }
+    std::fs::remove_dir_all(folder).expect("it is ours");
+}
+
+#[test]
+fn without_a_dialog_a_list_of_files_is_walked_by_keys() {
+    let folder = std::env::temp_dir().join(format!("neumann-list-{}", std::process::id()));
+    let inner = folder.join("inner");
+    std::fs::create_dir_all(&inner).expect("a folder");
+    for file in ["a.glb", "b.txt", ".hidden.glb", "inner/c.json"] {
+        std::fs::write(folder.join(file), "{}").expect("it can be written");
+    }
+    let mut harness = harness([1280.0, 720.0]);
+    let list = FileList::new(Wanted::Scene, folder.clone());
+    assert_eq!(list.names().collect::<Vec<_>>(), ["..", "inner", "a.glb"]);
+    harness.state_mut().shell.file_list = Some(list);
+    harness.run_steps(3);
+    let shown = |harness: &Harness<'_, App>| {
+        let list = harness.state().shell.file_list.as_ref();
+        list.map(|list| list.folder().to_owned())
+    };
+    press(&mut harness, Key::Enter);
+    assert_eq!(shown(&harness), Some(inner));
+    press(&mut harness, Key::Backspace);
+    assert_eq!(shown(&harness), Some(folder.clone()));
+    let part = harness.state().viewing.settings.part;
+    press(&mut harness, Key::ArrowDown);
+    assert_eq!(
+        harness.state().viewing.settings.part,
+        part,
+        "the key is its"
+    );
+    press(&mut harness, Key::Enter);
+    assert_eq!(shown(&harness), None);
+    wait(&mut harness, |app| {
+        app.shell.notices.texts().any(|t| t.contains("a.glb"))
+    });
+    // Esc closes it and nothing else.
+    harness.state_mut().list_files(Wanted::Reference);
+    harness.run_steps(2);
+    press(&mut harness, Key::Escape);
+    assert_eq!(shown(&harness), None);
+    assert_eq!(harness.state().shell.notices.texts().count(), 1);
     std::fs::remove_dir_all(folder).expect("it is ours");
 }
 

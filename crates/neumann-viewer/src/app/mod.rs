@@ -146,6 +146,10 @@ impl App {
         if self.is_loading() {
             ctx.request_repaint_after(PROGRESS_PERIOD);
         }
+        if let Some(list) = &mut self.shell.file_list {
+            let choice = list.take_keys(&ctx);
+            self.take_choice(choice);
+        }
         for action in keys::take_actions(&ctx) {
             self.perform(&ctx, action);
         }
@@ -191,6 +195,10 @@ impl App {
         self.measure(&ctx);
         if let Some(offer) = self.shell.notices.show(&ctx, stage) {
             self.accept(offer);
+        }
+        if let Some(list) = &mut self.shell.file_list {
+            let choice = list.show(&ctx);
+            self.take_choice(choice);
         }
         if self.shell.is_help_open {
             help::show(ui, &mut self.shell.is_help_open, &self.shell.places);

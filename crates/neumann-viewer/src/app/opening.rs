@@ -13,6 +13,7 @@ use neumann_picture::state::State;
 use super::{App, Loading};
 use crate::compared::Reference;
 use crate::display::Against;
+use crate::file_list::{Choice, FileList};
 use crate::notices::Offer;
 use crate::options::Exposure;
 use crate::panels;
@@ -287,15 +288,8 @@ impl App {
                 Arrival::Environment(path, Ok(file)) => self.take_map(ctx, path, file),
                 Arrival::Reference(Ok(reference)) => self.take_reference(reference),
                 Arrival::Measured(outcome) => self.session.measuring.take(outcome),
-                Arrival::Chosen(Wanted::Scene, path) => {
-                    self.open_path(path.display().to_string());
-                }
-                Arrival::Chosen(Wanted::Environment, path) => {
-                    self.shell.background.open_environment(path);
-                }
-                Arrival::Chosen(Wanted::Reference, path) => {
-                    self.shell.background.open_reference(path);
-                }
+                Arrival::Chosen(wanted, path) => self.open_chosen(wanted, path),
+                Arrival::NoDialog(wanted) => self.list_files(wanted),
                 Arrival::Dropped(wanted, path) => self.take_dropped_picture(wanted, path),
                 Arrival::Saved(Ok(text)) => self.shell.notices.remark(ctx, text),
                 Arrival::Environment(_, Err(error))
@@ -310,6 +304,33 @@ impl App {
         self.session.picture.set_reference(reference);
         self.viewing.settings.difference = Some(Against::Reference);
         self.viewing.settings.is_wiping = false;
+    }
+
+    fn open_chosen(&mut self, wanted: Wanted, path: PathBuf) {
+        match wanted {
+            Wanted::Scene => self.open_path(path.display().to_string()),
+            Wanted::Environment => self.shell.background.open_environment(path),
+            Wanted::Reference => self.shell.background.open_reference(path),
+        }
+    }
+
+    /// Shows files to choose from: those beside the open scene, or where the program was started.
+    pub fn list_files(&mut self, wanted: Wanted) {
+        let open = self.session.setup.open.as_ref();
+        let beside = open.and_then(|open| std::fs::canonicalize(&open.source).ok());
+        let folder = beside.and_then(|path| path.parent().map(Path::to_owned));
+        let folder = folder.or_else(|| std::env::current_dir().ok());
+        let folder = folder.unwrap_or_else(|| in_home(PathBuf::from("~")));
+        self.shell.file_list = Some(FileList::new(wanted, folder));
+    }
+
+    /// Does what the list of files came to.
+    pub(super) fn take_choice(&mut self, choice: Option<Choice>) {
+        let Some(choice) = choice else { return };
+        self.shell.file_list = None;
+        if let Choice::File(wanted, path) = choice {
+            self.open_chosen(wanted, path);
+        }
     }
 
     fn take_map(&mut self, ctx: &Context, path: PathBuf, file: EnvironmentFile) {

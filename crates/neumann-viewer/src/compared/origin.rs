@@ -1,6 +1,5 @@
 //! Where a picture comes from.
 
-use neumann_core::integrator::method;
 use neumann_core::scene::Scene;
 use neumann_picture::exr_file::Metadata;
 
@@ -32,9 +31,8 @@ impl Origin {
     /// What the header of a file says.
     #[must_use]
     pub fn of_file(metadata: &Metadata) -> Self {
-        let id = metadata.integrator.as_str();
         Self {
-            method: method(id).map_or(id, |method| method.title).to_owned(),
+            method: metadata.integrator.clone(),
             n_iterations: metadata.iterations.count(),
             seconds: metadata.seconds,
             scene: SceneName {

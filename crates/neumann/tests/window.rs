@@ -1,7 +1,7 @@
 //! The real window under a virtual display: it opens, draws, answers keys, and closes.
 //!
-//! Needs Xvfb, xdotool, setxkbmap, `import` (of `ImageMagick`) and a graphics driver. Where one of them is
-//! missing the test says so and passes, unless `CI` is set.
+//! Needs Xvfb, xdotool, setxkbmap, `import` (of `ImageMagick`) and a graphics driver. Where one of
+//! them is missing the test says so and passes, unless `CI` is set.
 
 #![cfg(feature = "window")]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]

@@ -2,8 +2,8 @@
 //!
 //! One row for each bounce; in it the ways to cut the path in two, from s = 0 on the left (the
 //! camera's walk found the light) on, then the merges. A column keeps its s, and dark rows are
-//! brightened. The pyramid stands there three times: as each technique counts, as each would be alone,
-//! and how much each weighs.
+//! brightened. The pyramid stands there three times: as each technique counts, as each would be
+//! alone, and how much each weighs.
 
 use neumann_core::film::{Joint, Strategy, TechniqueFilm, TechniqueImage, TechniqueTable};
 use neumann_core::radiometry::Rgb;

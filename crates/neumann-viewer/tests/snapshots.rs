@@ -57,13 +57,17 @@ fn the_window_looks_as_it_did() {
     ] {
         let mut app = app();
         app.viewing.settings.part = view;
+        // The film is no furnace.
+        app.viewing.settings.exposure_ev = 0.0;
         let mut harness = builder(size, theme).build_ui_state(|ui, app: &mut App| app.ui(ui), app);
         harness.run_steps(4);
         results.add(harness.try_snapshot(name));
     }
     let size = [1280.0, 720.0];
-    let mut harness = builder(size, Theme::Dark)
-        .build_ui_state(|ui, app: &mut App| app.ui(ui), app_with_techniques());
+    let mut app = app_with_techniques();
+    app.viewing.settings.exposure_ev = 0.0;
+    let mut harness =
+        builder(size, Theme::Dark).build_ui_state(|ui, app: &mut App| app.ui(ui), app);
     harness.run_steps(4);
     harness.key_press(Key::V);
     // Each frame makes one picture at least.

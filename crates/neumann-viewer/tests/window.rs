@@ -899,7 +899,7 @@ fn the_page_display_takes_what_is_held_as_the_reference() {
     assert_eq!(compared(&harness), Compared::Refused(why.to_owned()));
     press(&mut harness, Key::Num1);
     assert!(says(&harness, "compared: picture − A"));
-    click(&mut harness, "difference");
+    click(&mut harness, "Difference");
     assert_eq!(compared(&harness), Compared::Nothing);
 }
 
@@ -1323,7 +1323,7 @@ fn automatic_exposure_goes_back_to_what_was_set() {
     // By the switch as well.
     harness.state_mut().shell.page = Page::Display;
     toggle(&mut harness);
-    click(&mut harness, "automatic");
+    click(&mut harness, "Automatic");
     assert!((exposure(&harness) - set).abs() < 1e-6);
     // What is set meanwhile stays.
     toggle(&mut harness);

@@ -299,7 +299,7 @@ impl App {
         }
     }
 
-    /// Takes over a reference, and shows the difference to it.
+    /// Takes over a reference, and shows the difference from it.
     pub(super) fn take_reference(&mut self, reference: Reference) {
         self.session.picture.set_reference(reference);
         self.viewing.settings.difference = Some(Against::Reference);

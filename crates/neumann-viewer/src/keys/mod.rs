@@ -56,7 +56,7 @@ pub enum Action {
     HoldB,
     /// The wipe between A and B, on or off.
     Wipe,
-    /// The difference to the reference, on or off.
+    /// The difference from the reference, on or off.
     Difference,
     /// A view by its id, or the picture where it is shown already.
     View(&'static str),

@@ -15,37 +15,37 @@ use crate::session::Session;
 use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::widgets::{
-    Slider, button, choice_row, fact, heading, hint, paragraph, rule, significant, switch,
-    text_field,
+    Slider, button, choice_row, fact, heading, hint, paragraph, path_field, rule, significant,
+    switch,
 };
 
 pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &mut Shell) {
     heading(ui, "Exposure and tone");
     let mut ev = f64::from(viewing.exposure_ev);
-    let slider = Slider::new("exposure", -16.0, 16.0).unit("EV").default(0.0);
+    let slider = Slider::new("Exposure", -16.0, 16.0).unit("EV").default(0.0);
     if slider.show(ui, &mut ev).changed() {
         viewing.exposure_ev = ev as f32;
         viewing.is_auto = false;
     }
-    if switch(ui, "automatic", &mut viewing.is_auto).changed() && viewing.is_auto {
+    if switch(ui, "Automatic", &mut viewing.is_auto).changed() && viewing.is_auto {
         viewing.exposure_ev = session.picture.auto_exposure(viewing.part);
     }
     let names = ToneCurve::ALL.map(ToneCurve::name);
     let chosen = ToneCurve::ALL.iter().position(|t| *t == viewing.tone);
-    if let Some(i) = choice_row(ui, "tone curve", &names, chosen.unwrap_or(0)) {
+    if let Some(i) = choice_row(ui, "Tone curve", &names, chosen.unwrap_or(0)) {
         viewing.tone = ToneCurve::ALL[i];
     }
     rule(ui);
     heading(ui, "False colour");
-    switch(ui, "luminance as colour", &mut viewing.is_false_colour);
+    switch(ui, "Luminance as colour", &mut viewing.is_false_colour);
     if viewing.is_false_colour {
         let names = ColourMap::ALL.map(ColourMap::name);
         let chosen = ColourMap::ALL.iter().position(|m| *m == viewing.map);
-        if let Some(i) = choice_row(ui, "colours", &names, chosen.unwrap_or(0)) {
+        if let Some(i) = choice_row(ui, "Colours", &names, chosen.unwrap_or(0)) {
             viewing.map = ColourMap::ALL[i];
         }
         let mut stops = f64::from(viewing.map_stops);
-        let slider = Slider::new("span", 2.0, 24.0).unit("stops").default(10.0);
+        let slider = Slider::new("Span", 2.0, 24.0).unit("stops").default(10.0);
         slider.show(ui, &mut stops);
         viewing.map_stops = stops as f32;
     }
@@ -54,7 +54,7 @@ pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, s
     let size = viewing
         .zoom
         .map_or_else(|| "whole picture".to_owned(), |z| format!("{z:.2} ×"));
-    fact(ui, "pixels", &size);
+    fact(ui, "Pixels", &size);
     ui.horizontal(|ui| {
         for (name, action) in [
             ("−", Action::Zoom(-1)),
@@ -95,7 +95,7 @@ fn compare(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &m
     let mut is_wiping = viewing.is_wiping;
     let mut is_less = viewing.difference == Some(Against::Held);
     ui.add_enabled_ui(is_held, |ui| {
-        if switch(ui, "wipe A | B", &mut is_wiping).changed() {
+        if switch(ui, "Wipe A | B", &mut is_wiping).changed() {
             shell.act(ui.ctx(), Action::Wipe);
         }
         if switch(ui, "A − B", &mut is_less).changed() {
@@ -105,7 +105,7 @@ fn compare(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &m
     });
     if viewing.is_wiping {
         let mut place = f64::from(viewing.wipe);
-        Slider::new("place of the wipe", 0.0, 1.0)
+        Slider::new("Place of the wipe", 0.0, 1.0)
             .default(0.5)
             .show(ui, &mut place);
         viewing.wipe = place as f32;
@@ -125,16 +125,20 @@ fn reference(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: 
     ui.add_space(GRID);
     match &picture.reference {
         Some(reference) => {
-            fact(ui, "reference", &reference.name);
+            fact(ui, "Reference", &reference.name);
             if let Some(origin) = &reference.origin {
                 hint(ui, &origin.words());
             }
         }
-        None => paragraph(ui, "No reference; load an EXR to see the difference to it."),
+        None => paragraph(
+            ui,
+            "No reference; load an EXR to see the difference from it.",
+        ),
     }
-    text_field(ui, "path of a reference", &mut shell.fields.reference);
+    let is_entered = path_field(ui, "Path of a reference", &mut shell.fields.reference);
     ui.horizontal(|ui| {
-        if button(ui, "Load").clicked() && !shell.fields.reference.trim().is_empty() {
+        let is_pressed = button(ui, "Load").clicked() && !shell.fields.reference.trim().is_empty();
+        if is_pressed || is_entered {
             let path = PathBuf::from(shell.fields.reference.trim());
             shell.background.open_reference(path);
         }
@@ -155,7 +159,7 @@ fn reference(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: 
     }
     let mut is_difference = viewing.difference == Some(Against::Reference);
     ui.add_enabled_ui(picture.reference.is_some(), |ui| {
-        if switch(ui, "difference", &mut is_difference).changed() {
+        if switch(ui, "Difference", &mut is_difference).changed() {
             viewing.difference = is_difference.then_some(Against::Reference);
             viewing.is_wiping = false;
         }

@@ -1,6 +1,10 @@
 //! The lecture's own figure, alive: the terms of the series, and below them its partial sums.
 
-use egui::{Align2, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2};
+use egui::scroll_area::ScrollBarVisibility;
+use egui::{
+    Align2, Rect, Role, ScrollArea, Sense, Stroke, StrokeKind, Ui, UiBuilder, Vec2, WidgetInfo,
+    pos2,
+};
 use neumann_core::film::View;
 
 use crate::display::{Draw, Slot, ViewSettings};
@@ -84,37 +88,81 @@ pub fn show(
         );
         return first_draw;
     };
-    let mut next_draw = first_draw;
-    for (row, is_sum) in [(0.0, false), (1.0, true)] {
-        let top = rect.top() + GRID + row * (row_height + GRID);
-        row_name(
-            ui,
-            pos2(rect.left() + 2.0 * GRID, top + row_height / 2.0),
-            is_sum,
-        );
-        let left = rect.left() + MARGIN;
-        let room = rect.right() - 2.0 * GRID - left;
-        let pitch = (room + GRID) / (n_layers + 1) as f32;
-        for place in 0..=n_layers {
-            let tile = Rect::from_min_max(
-                pos2((left + pitch * place as f32).round(), top),
-                pos2(
-                    (left + pitch * (place + 1) as f32 - GRID).round(),
-                    top + row_height,
-                ),
-            );
-            tile_of(
-                ui,
-                tile,
-                picture,
-                settings,
-                (is_sum, place, n_layers),
-                next_draw,
-            );
-            next_draw += 1;
-        }
+    let top = |is_sum: bool| {
+        let row = if is_sum { row_height + GRID } else { 0.0 };
+        rect.top() + GRID + row
+    };
+    for is_sum in [false, true] {
+        let middle = top(is_sum) + row_height / 2.0;
+        row_name(ui, pos2(rect.left() + 2.0 * GRID, middle), is_sum);
     }
+    let room = Rect::from_min_max(
+        pos2(rect.left() + MARGIN, rect.top()),
+        pos2(rect.right() - 2.0 * GRID, rect.bottom()),
+    );
+    let mut next_draw = first_draw;
+    let chosen = settings.place(n_layers).1;
+    let widths = (NARROWEST_TILE, GRID);
+    side_by_side(
+        ui,
+        room,
+        n_layers + 1,
+        widths,
+        chosen,
+        |ui, place, column| {
+            for is_sum in [false, true] {
+                let at = pos2(column.left(), top(is_sum));
+                let tile = Rect::from_min_size(at, Vec2::new(column.width(), row_height));
+                let which = (is_sum, place, n_layers);
+                tile_of(ui, tile, picture, settings, which, next_draw);
+                next_draw += 1;
+            }
+        },
+    );
     next_draw
+}
+
+/// Narrower tiles and chips than these have no room for their names: the strip scrolls instead.
+const NARROWEST_TILE: f32 = 92.0;
+const NARROWEST_CHIP: f32 = 44.0;
+
+/// Calls `draw` with the places of a row that are seen, and where they stand: side by side, of a
+/// least width and with a gap between them (`widths`). Where there are more than `room` has place
+/// for, the row scrolls, and the place that is chosen comes into view.
+fn side_by_side(
+    ui: &mut Ui,
+    room: Rect,
+    n: usize,
+    widths: (f32, f32),
+    chosen: usize,
+    mut draw: impl FnMut(&mut Ui, usize, Rect),
+) {
+    let (least, gap) = widths;
+    let pitch = ((room.width() + gap) / n as f32).max(least + gap);
+    let last = ui.scope_id().with("chosen place");
+    let is_new = ui.data_mut(|data| data.get_temp_mut_or(last, usize::MAX) != &chosen);
+    ui.data_mut(|data| data.insert_temp(last, chosen));
+    ui.scope_builder(UiBuilder::new().max_rect(room).id_salt("places"), |ui| {
+        ui.style_mut().always_scroll_the_only_direction = true;
+        ScrollArea::horizontal()
+            .scroll_bar_visibility(ScrollBarVisibility::AlwaysHidden)
+            .auto_shrink(false)
+            .show(ui, |ui| {
+                let size = Vec2::new(pitch * n as f32 - gap, room.height());
+                let (all, _) = ui.allocate_exact_size(size, Sense::hover());
+                for place in 0..n {
+                    let left = (all.left() + pitch * place as f32).round();
+                    let right = (all.left() + pitch * (place + 1) as f32 - gap).round();
+                    let column = Rect::from_x_y_ranges(left..=right, room.y_range());
+                    if place == chosen && is_new {
+                        ui.scroll_to_rect(column, None);
+                    }
+                    if column.intersects(ui.clip_rect()) {
+                        draw(ui, place, column);
+                    }
+                }
+            });
+    });
 }
 
 fn row_name(ui: &Ui, at: egui::Pos2, is_sum: bool) {
@@ -160,7 +208,8 @@ fn tile_of(
     } else {
         p.raised
     };
-    let painter = ui.painter().with_clip_rect(tile.expand(2.0));
+    let painter = ui.painter();
+    let painter = painter.with_clip_rect(tile.expand(2.0).intersect(painter.clip_rect()));
     painter.rect_filled(tile, 4, fill);
     let inner = tile.shrink(3.0);
     let aspect = picture
@@ -266,25 +315,18 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
     let width = segmented_width(ui, &labels);
     let switch = Rect::from_min_size(rect.min, Vec2::new(width, rect.height()));
     let clicked = ui
-        .scope_builder(
-            egui::UiBuilder::new().max_rect(switch).id_salt("row"),
-            |ui| segmented(ui, "row", &labels, usize::from(is_sum)),
-        )
+        .scope_builder(UiBuilder::new().max_rect(switch).id_salt("row"), |ui| {
+            segmented(ui, "row", &labels, usize::from(is_sum))
+        })
         .inner;
     if let Some(row) = clicked {
         settings.choose(row == 1, place, n_layers);
     }
-    let left = switch.right() + GRID;
-    let pitch = (rect.right() + 4.0 - left) / (n_layers + 1) as f32;
-    for place in 0..=n_layers {
+    let room = Rect::from_min_max(pos2(switch.right() + GRID, rect.top()), rect.max);
+    let chosen = settings.place(n_layers).1;
+    let widths = (NARROWEST_CHIP, 4.0);
+    side_by_side(ui, room, n_layers + 1, widths, chosen, |ui, place, chip| {
         let view = view_at(is_sum, place, n_layers);
-        let chip = Rect::from_min_max(
-            pos2((left + pitch * place as f32).round(), rect.top()),
-            pos2(
-                (left + pitch * (place + 1) as f32 - 4.0).round(),
-                rect.bottom(),
-            ),
-        );
         let response = ui.interact(
             chip,
             ui.scope_id().with(("tile", is_sum, place)),
@@ -299,7 +341,8 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
         } else {
             p.raised
         };
-        let painter = ui.painter().with_clip_rect(chip);
+        let painter = ui.painter();
+        let painter = painter.with_clip_rect(chip.intersect(painter.clip_rect()));
         painter.rect_filled(chip, 4, fill);
         let share = picture.share(view);
         let text = share.map_or_else(String::new, |s| format!("{:.0} %", 100.0 * s));
@@ -319,5 +362,5 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
         }
         focus_ring(ui, &response, chip, 4);
         name_for_ears(&response, view, is_chosen, share);
-    }
+    });
 }

@@ -106,6 +106,9 @@ fn bounce_bars(painter: &Painter, spot: Rect, reading: &Reading, part: Part, p: 
         spot.max - Vec2::new(0.0, 10.0),
     );
     let pitch = area.width() / n as f32;
+    // Where bars are narrow, every second one is named, or every fourth.
+    let step = (12.0 / pitch).ceil().max(1.0) as usize;
+    let step = step.next_power_of_two();
     let shown = part.layers(n - 1).unwrap_or(0..0);
     for (k, value) in reading.bounces.iter().enumerate() {
         let height = (value / largest).clamp(0.0, 1.0) * area.height();
@@ -118,8 +121,10 @@ fn bounce_bars(painter: &Painter, spot: Rect, reading: &Reading, part: Part, p: 
         painter.rect_filled(bar, 0, color);
         let name = if k + 1 == n {
             "t".to_owned()
-        } else {
+        } else if k % step == 0 && k + step < n {
             k.to_string()
+        } else {
+            continue;
         };
         let at = pos2(bar.center().x, area.bottom() + 1.0);
         painter.text(at, Align2::CENTER_TOP, name, theme::sized(9.0), p.weak);

@@ -34,7 +34,7 @@ use neumann_viewer::setup::FilmSize;
 use neumann_viewer::views::photons::PhotonView;
 use neumann_viewer::views::techniques::TechniqueView;
 
-use support::{app, app_of, app_with_photons, app_with_techniques, published};
+use support::{app, app_of, app_with_photons, app_with_techniques, published, published_with};
 
 fn harness(size: [f32; 2]) -> Harness<'static, App> {
     harness_of(size, app())
@@ -79,6 +79,35 @@ fn thumbnails_choose_the_view() {
             1,
             "a view never restarts"
         );
+    }
+}
+
+/// Where there is no room for all places of the strip it scrolls to the one that is chosen.
+#[test]
+fn a_long_strip_scrolls_to_what_is_chosen() {
+    for size in [[1000.0, 640.0], [640.0, 420.0]] {
+        let options = ViewOptions {
+            size: Some((96, 96)),
+            layers: Some(16),
+            ..ViewOptions::default()
+        };
+        let mut harness = harness_of(size, app_of(published_with(16), options));
+        press(&mut harness, Key::Num0);
+        harness.run_steps(20);
+        let tile = |harness: &Harness<'_, App>, name: &str| {
+            let mut found = harness.query_all_by_label(name);
+            found.next().map(|node| node.rect())
+        };
+        let first = tile(&harness, "term L_e").expect("it is seen");
+        assert!(tile(&harness, "tail").is_none(), "{size:?}: no room for it");
+        assert!(first.width() > 40.0, "{size:?}: {first:?}");
+        for _ in 0..16 {
+            press(&mut harness, Key::ArrowRight);
+        }
+        harness.run_steps(20);
+        let last = tile(&harness, "tail").expect("the tail is chosen");
+        assert!(last.right() <= size[0], "{size:?}: {last:?}");
+        assert!(tile(&harness, "term L_e").is_none(), "{size:?}");
     }
 }
 

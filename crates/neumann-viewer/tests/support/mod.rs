@@ -16,7 +16,12 @@ use neumann_viewer::render_link::RenderLink;
 
 /// A film whose layer k is a gradient of strength 2^-k.
 pub(crate) fn published() -> Published {
-    let (width, height, n_layers) = (96, 96, 8);
+    published_with(8)
+}
+
+/// The same with so many layers.
+pub(crate) fn published_with(n_layers: usize) -> Published {
+    let (width, height) = (96, 96);
     let layer = |k: usize| -> Vec<Rgb> {
         (0..width * height)
             .map(|i| {

@@ -1,0 +1,54 @@
+//! The window through its accessibility tree: what a person can press, and what follows.
+//!
+//! The renderer is replaced by a small film that never changes, so nothing here depends on time.
+
+mod compared;
+mod controls;
+mod files;
+mod film;
+mod series;
+#[path = "../support/mod.rs"]
+mod support;
+mod views;
+
+use egui::{Key, Theme};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use neumann_viewer::app::App;
+
+use support::app;
+
+fn harness(size: [f32; 2]) -> Harness<'static, App> {
+    harness_of(size, app())
+}
+
+fn harness_of(size: [f32; 2], app: App) -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size(size)
+        .with_pixels_per_point(1.0)
+        .with_theme(Theme::Dark)
+        .build_ui_state(|ui, app: &mut App| app.ui(ui), app);
+    harness.run_steps(4);
+    harness
+}
+
+fn press(harness: &mut Harness<'_, App>, key: Key) {
+    harness.key_press(key);
+    harness.run_steps(2);
+}
+
+fn click(harness: &mut Harness<'_, App>, label: &str) {
+    harness.get_by_label(label).click();
+    harness.run_steps(3);
+}
+
+fn wait(harness: &mut Harness<'_, App>, is_done: impl Fn(&App) -> bool) {
+    for _ in 0..1000 {
+        harness.run_steps(2);
+        if is_done(harness.state()) {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    panic!("nothing came from the background");
+}

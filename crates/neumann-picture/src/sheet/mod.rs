@@ -112,6 +112,19 @@ const SUBTITLE: Style = Style {
     size: 16.0,
     colour: QUIET,
 };
+/// Words beside and below a picture, and what is less to be read.
+const WORDS: Style = Style {
+    face: Face::Regular,
+    size: 15.0,
+    colour: PLAIN,
+};
+const NOTE: Style = Style {
+    face: Face::Regular,
+    size: 15.0,
+    colour: QUIET,
+};
+/// A frame around a picture: a black edge would not be told from the ground.
+const FRAME: [u8; 3] = [0x30; 3];
 const FORMULA: Style = Style {
     face: Face::SemiBold,
     size: 18.0,

@@ -8,7 +8,7 @@ use neumann_core::photons::PhotonPicture;
 use super::canvas::{Canvas, Rect};
 use super::label::percent;
 use super::text::{Align, Face, Style, Typesetter};
-use super::{BRIGHT, GROUND, GUTTER, HEADING, MARGIN, PLAIN, QUIET, SUBTITLE, TITLE, UNIT};
+use super::{BRIGHT, FRAME, GROUND, GUTTER, HEADING, MARGIN, NOTE, SUBTITLE, TITLE, UNIT, WORDS};
 use crate::photons::{PhotonColours, PhotonLook, PowerScale, facts};
 use crate::png_file::Pixels8;
 
@@ -16,23 +16,11 @@ use crate::png_file::Pixels8;
 const LEGEND: usize = 32 * UNIT;
 const ROW: usize = 3 * UNIT;
 const SWATCH: usize = 2 * UNIT;
-/// A frame around the picture: a black edge would not be told from the ground.
-const FRAME: [u8; 3] = [0x30; 3];
 
 const NAME: Style = Style {
     face: Face::SemiBold,
     size: 16.0,
     colour: BRIGHT,
-};
-const KEY: Style = Style {
-    face: Face::Regular,
-    size: 15.0,
-    colour: PLAIN,
-};
-const NOTE: Style = Style {
-    face: Face::Regular,
-    size: 15.0,
-    colour: QUIET,
 };
 
 /// Lays out photons with their legend. The heading is a name, such as that of the scene, and a
@@ -148,7 +136,7 @@ impl Row {
                 canvas.fill(outer, FRAME);
                 canvas.fill(inner, *colour);
                 let at = ((x + SWATCH + UNIT + 2) as f32, baseline);
-                typesetter.write(canvas, name, at, Align::Left, &KEY);
+                typesetter.write(canvas, name, at, Align::Left, &WORDS);
                 let at = ((x + 16 * UNIT) as f32, baseline);
                 typesetter.write(canvas, figure, at, Align::Right, &NOTE);
             }

@@ -5,7 +5,7 @@
 
 use super::canvas::{Canvas, Rect};
 use super::text::{Align, Face, Style, Typesetter};
-use super::{BRIGHT, GROUND, GUTTER, HEADING, MARGIN, PLAIN, QUIET, SUBTITLE, TITLE, UNIT};
+use super::{BRIGHT, FRAME, GROUND, GUTTER, HEADING, MARGIN, NOTE, SUBTITLE, TITLE, UNIT, WORDS};
 use crate::png_file::Pixels8;
 
 /// What numbers the colours of a picture stand for.
@@ -52,19 +52,8 @@ const SHORTEST: usize = 15 * UNIT;
 /// What is under the picture has so much room, however narrow that is.
 const NARROWEST: usize = 48 * UNIT;
 const LINE: usize = 3 * UNIT;
-const FRAME: [u8; 3] = [0x30; 3];
 const WIPE: [u8; 3] = [0xff, 0xb0, 0x00];
 
-const WORDS: Style = Style {
-    face: Face::Regular,
-    size: 15.0,
-    colour: PLAIN,
-};
-const NOTE: Style = Style {
-    face: Face::Regular,
-    size: 15.0,
-    colour: QUIET,
-};
 const SIDE: Style = Style {
     face: Face::SemiBold,
     size: 15.0,

@@ -1,8 +1,10 @@
 //! Pictures out of the window: PNG, EXR, the series as a sheet, the clipboard.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use egui::{Color32, ColorImage, Context};
+use neumann_core::film::Features;
 use neumann_picture::exr_file::{Metadata, write_exr};
 use neumann_picture::png_file::write_png;
 use neumann_picture::sheet::{SheetInfo, sheet as lay_out_sheet};
@@ -39,18 +41,21 @@ pub fn png_as(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     });
 }
 
-/// Saves all layers, so that the command can go on with the render, with the state in the header.
+/// Saves all layers and what the camera sees first, as the command does, so that it can go on with
+/// the render; the state is in the header.
 pub fn exr(session: &Session, viewing: &Viewing, shell: &mut Shell) {
-    let Some((film, metadata)) = session.film() else {
+    let (Some((film, metadata)), Some(job)) = (session.film(), session.link.started()) else {
         return nothing(shell);
     };
+    let (scene, camera) = (Arc::clone(&job.scene), job.settings.camera.clone());
     let metadata = Metadata {
         state: crate::state::of(session, viewing).map(Box::new),
         ..metadata
     };
     let path = path_of(session, "layers", "exr");
     shell.background.save(move || {
-        write_exr(&path, &film, None, &metadata).map_err(|e| e.to_string())?;
+        let features = Features::trace(&scene, &camera, film.width(), film.height());
+        write_exr(&path, &film, Some(&features), &metadata).map_err(|e| e.to_string())?;
         Ok(format!("Saved {}", shown(&path)))
     });
 }

@@ -12,6 +12,7 @@ use neumann_core::film::View as Part;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::StopRule;
 use neumann_core::scene::{Backs, Level, Sky};
+use neumann_picture::exr_file::read_exr;
 use neumann_picture::exr_file::{appearance_text, camera_text, environment_text};
 use neumann_picture::state::State;
 use neumann_picture::tone::ToneCurve;
@@ -227,6 +228,10 @@ fn a_key_saves_the_state_and_its_file_can_be_opened() {
     wait(&mut harness, |app| picture(app).is_some());
     let picture = picture(harness.state()).expect("it was saved");
     assert_eq!(State::read(&picture).expect("a state").0, saved);
+    let checkpoint = read_exr(&picture).expect("a film");
+    assert_eq!(checkpoint.film.n_layers(), 8);
+    let features = checkpoint.features.expect("what the camera sees first");
+    assert!(features.depth.iter().any(|depth| depth.is_finite()));
 
     let mut second = harness_of(app());
     let text = path.display().to_string();

@@ -1,6 +1,6 @@
 //! What the pixel under the pointer holds, in words, and bounce by bounce as bars.
 
-use egui::{Align2, Painter, Rect, Ui, Vec2, pos2};
+use egui::{Align2, Painter, Pos2, Rect, Ui, Vec2, pos2};
 use neumann_core::film::{Film, View as Part};
 use neumann_core::radiometry::Rgb;
 
@@ -53,8 +53,9 @@ impl Reading {
 }
 
 /// Draws readings in the upper right corner of `rect`, or below the caption where they would cover
-/// that; the bars of `part` stand out.
-pub fn show(ui: &Ui, [rect, caption]: [Rect; 2], reading: &Reading, part: Part) {
+/// that, or in the lower right corner where they would cover the place `at` that they are of; the
+/// bars of `part` stand out.
+pub fn show(ui: &Ui, [rect, caption]: [Rect; 2], at: Pos2, reading: &Reading, part: Part) {
     const LINE: f32 = 17.0;
     const BARS: f32 = 40.0;
     let p = Palette::of(ui);
@@ -75,7 +76,7 @@ pub fn show(ui: &Ui, [rect, caption]: [Rect; 2], reading: &Reading, part: Part) 
         pos2(corner.x - width, corner.y),
         pos2(corner.x, corner.y + height),
     );
-    let spot = beside(spot, caption);
+    let spot = away_from(at, beside(spot, caption), rect);
     let ground = theme::plate(&p);
     painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, ground);
     for (i, line) in lines.into_iter().enumerate() {
@@ -92,6 +93,16 @@ fn beside(spot: Rect, caption: Rect) -> Rect {
     }
     let corner = pos2(caption.left() + GRID, caption.bottom() + 1.5 * GRID);
     Rect::from_min_size(corner, spot.size())
+}
+
+/// The place for what would stand at `spot`: in the lower right corner of `rect` if it would cover
+/// a point or come near it.
+fn away_from(at: Pos2, spot: Rect, rect: Rect) -> Rect {
+    if !spot.expand(3.0 * GRID).contains(at) {
+        return spot;
+    }
+    let corner = rect.max - Vec2::new(2.0 * GRID, 1.5 * GRID);
+    Rect::from_min_size(corner - spot.size(), spot.size())
 }
 
 /// What each bounce has of the pixel, as bars under the numbers.
@@ -135,7 +146,19 @@ fn bounce_bars(painter: &Painter, spot: Rect, reading: &Reading, part: Part, p: 
 mod tests {
     use egui::{Rect, pos2};
 
-    use super::beside;
+    use super::{away_from, beside};
+
+    #[test]
+    fn readings_leave_what_they_are_of_alone() {
+        let rect = Rect::from_min_max(pos2(0.0, 40.0), pos2(1000.0, 500.0));
+        let spot = Rect::from_min_max(pos2(830.0, 52.0), pos2(984.0, 140.0));
+        assert_eq!(away_from(pos2(500.0, 300.0), spot, rect), spot);
+        for at in [pos2(900.0, 100.0), pos2(815.0, 60.0), pos2(990.0, 145.0)] {
+            let moved = away_from(at, spot, rect);
+            assert!(!moved.expand(8.0).contains(at), "{at:?}: {moved:?}");
+            assert!(rect.contains_rect(moved) && moved.size() == spot.size());
+        }
+    }
 
     #[test]
     fn readings_leave_the_caption_alone() {

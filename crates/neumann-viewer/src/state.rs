@@ -160,6 +160,7 @@ fn take_looks(state: &State, settings: &mut ViewSettings) {
             .magnified
             .as_ref()
             .map_or([0.5, 0.5], |magnified| Exact::values(magnified.center)),
+        is_probing: settings.is_probing,
         ..ViewSettings::default()
     };
 }

@@ -146,6 +146,7 @@ impl App {
                 let next = (now.unwrap_or(0) as i64 + i64::from(step)).rem_euclid(n);
                 viewing.tone = ToneCurve::ALL[next as usize];
             }
+            Action::Probe => viewing.is_probing = !viewing.is_probing,
             Action::FalseColour => viewing.is_false_colour = !viewing.is_false_colour,
             Action::Zoom(steps) => {
                 if let Some(placement) = &self.viewing.placement {

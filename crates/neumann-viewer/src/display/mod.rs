@@ -54,6 +54,8 @@ pub struct ViewSettings {
     pub wipe: f32,
     /// A difference instead of the picture.
     pub difference: Option<Against>,
+    /// What the pixel under the pointer holds stands on the picture.
+    pub is_probing: bool,
 }
 
 impl Default for ViewSettings {
@@ -71,6 +73,7 @@ impl Default for ViewSettings {
             is_wiping: false,
             wipe: 0.5,
             difference: None,
+            is_probing: true,
         }
     }
 }

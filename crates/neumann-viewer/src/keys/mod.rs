@@ -56,6 +56,8 @@ pub enum Action {
     HoldB,
     /// The wipe between A and B, on or off.
     Wipe,
+    /// What the pixel under the pointer holds, on or off.
+    Probe,
     /// The difference from the reference, on or off.
     Difference,
     /// A view by its id, or the picture where it is shown already.

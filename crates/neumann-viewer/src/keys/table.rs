@@ -212,6 +212,12 @@ pub static HELP: &[HelpLine] = &[
     ),
     line(
         DISPLAY,
+        "I",
+        "values of the pixel",
+        &[on(NONE, Key::I, Action::Probe)],
+    ),
+    line(
+        DISPLAY,
         "G",
         "difference from the reference",
         &[on(NONE, Key::G, Action::Difference)],

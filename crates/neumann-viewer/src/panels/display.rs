@@ -67,6 +67,7 @@ pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, s
         }
     });
     hint(ui, "or the wheel with Ctrl; right drag moves");
+    switch(ui, "Values of the pixel", &mut viewing.is_probing);
     compare(ui, session, viewing, shell);
     save(ui, shell);
 }

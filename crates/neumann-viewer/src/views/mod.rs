@@ -227,13 +227,12 @@ impl Views {
     pub fn draw(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) {
         let view = &mut self.all[self.shown];
         let probed = view.draw(ui, stage);
-        if let Some(reading) = probed.and_then(|at| view.probe(at, stage)) {
-            probe::show(
-                ui,
-                [stage.rect, stage.caption],
-                &reading,
-                stage.settings.part,
-            );
+        let probed = probed.filter(|_| stage.settings.is_probing);
+        if let Some(at) = probed
+            && let Some(reading) = view.probe(at, stage)
+        {
+            let places = [stage.rect, stage.caption];
+            probe::show(ui, places, at, &reading, stage.settings.part);
         }
     }
 

@@ -154,12 +154,13 @@ fn presenting_shows_method_and_filmstrip_alone_and_large_and_keeps_the_samples()
 #[test]
 fn display_keys_do_not_render_anew() {
     let mut harness = harness([1280.0, 720.0]);
-    for key in [Key::E, Key::T, Key::C, Key::Plus, Key::Plus, Key::X] {
+    for key in [Key::E, Key::T, Key::C, Key::Plus, Key::Plus, Key::X, Key::I] {
         press(&mut harness, key);
     }
     let app = harness.state();
     assert!((app.viewing.settings.exposure_ev - (1.0 / 3.0 - 2.0)).abs() < 1e-6);
     assert!(app.viewing.settings.is_false_colour && app.viewing.settings.is_wiping);
     assert!(app.viewing.settings.zoom.is_some());
+    assert!(!app.viewing.settings.is_probing);
     assert_eq!(app.session.link.n_starts(), 1);
 }

@@ -22,11 +22,10 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
         }
     }
     if fold(ui, "Environment", false) {
-        let mut appearance = edited
-            .take()
-            .unwrap_or_else(|| open.scene.appearance().clone());
+        let are_lights_edited = edited.is_some();
+        let mut appearance = edited.unwrap_or_else(|| open.scene.appearance().clone());
         let is_changed = environment(ui, setup, shell, &mut appearance);
-        edited = is_changed.then_some(appearance);
+        edited = (is_changed || are_lights_edited).then_some(appearance);
     }
     if let Some(appearance) = edited {
         setup.dress(appearance);

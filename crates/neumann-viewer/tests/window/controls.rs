@@ -210,6 +210,13 @@ fn a_light_can_be_switched_off_and_a_material_edited() {
     let scene = &harness.state().session.setup.open.as_ref().unwrap().scene;
     assert!(!scene.appearance().material_levels[0].is_on);
     assert_eq!(harness.state().session.link.n_starts(), 2);
+
+    // What stands below does not undo it.
+    click(&mut harness, "Environment");
+    click(&mut harness, &material);
+    let scene = &harness.state().session.setup.open.as_ref().unwrap().scene;
+    assert!(scene.appearance().material_levels[0].is_on);
+    assert_eq!(harness.state().session.link.n_starts(), 3);
 }
 
 #[test]

@@ -21,6 +21,18 @@ pub(super) struct Rect {
     pub(super) height: usize,
 }
 
+impl Rect {
+    /// The same with its edge taken off, one pixel on each side.
+    pub(super) fn inner(self) -> Self {
+        Self {
+            x: self.x + 1,
+            y: self.y + 1,
+            width: self.width.saturating_sub(2),
+            height: self.height.saturating_sub(2),
+        }
+    }
+}
+
 /// A picture to be scaled.
 pub(super) struct Thumbnail<'a> {
     pub(super) pixels: &'a [Rgb],

@@ -6,12 +6,13 @@
 //! alone, and how much each weighs.
 
 use neumann_core::film::{Joint, Strategy, TechniqueFilm, TechniqueImage, TechniqueTable};
-use neumann_core::radiometry::Rgb;
 
 use super::canvas::{Canvas, Rect, Thumbnail};
 use super::label::percent;
 use super::text::{Align, Face, Style, Typesetter};
-use super::{BRIGHT, GROUND, HEADING, MARGIN, PLAIN, QUIET, SUBTITLE, SheetInfo, TITLE, UNIT};
+use super::{
+    BRIGHT, FRAME, GROUND, HEADING, MARGIN, PLAIN, QUIET, SUBTITLE, SheetInfo, TITLE, UNIT,
+};
 use crate::png_file::Pixels8;
 use crate::tone::Display;
 
@@ -99,22 +100,23 @@ pub fn technique_sheet(film: &TechniqueFilm, info: &SheetInfo) -> Pixels8 {
             for cell in &row.cells {
                 let strategy = cell.strategy;
                 let x = layout.x(cell.column);
-                let pixels: Vec<Rgb> = if cell.is_made {
-                    film.image(strategy, image)
-                } else {
-                    vec![Rgb::BLACK; film.width() * film.height()]
-                };
-                let source = Thumbnail {
-                    pixels: &pixels,
-                    size: (film.width(), film.height()),
-                };
                 let rect = Rect {
                     x,
                     y,
                     width: layout.cell.0,
                     height: layout.cell.1,
                 };
-                canvas.picture(rect, &source, &display);
+                if cell.is_made {
+                    let pixels = film.image(strategy, image);
+                    let source = Thumbnail {
+                        pixels: &pixels,
+                        size: (film.width(), film.height()),
+                    };
+                    canvas.picture(rect, &source, &display);
+                } else {
+                    canvas.fill(rect, FRAME);
+                    canvas.fill(rect.inner(), GROUND);
+                }
                 let line = y + layout.cell.1 + 2 * UNIT;
                 let name = technique_name(strategy);
                 write(&mut canvas, &name, (x, line), Align::Left, &NAME);

@@ -1,8 +1,8 @@
 //! The sphere cut into cells, and the integral of a density over each.
 //!
 //! Cells are even in height along an axis (or between given heights) and in angle about it;
-//! height and angle preserve area, so `∫ p dω` over a cell is an integral over a rectangle. It is
-//! computed by Gauss's rule, halving the rectangle until two steps agree.
+//! height and angle preserve area, so `∫ p dω` over a cell is an integral over a rectangle. It
+//! is computed by Gauss's rule, halving the rectangle until two steps agree.
 
 use std::f64::consts::TAU;
 

@@ -1,13 +1,13 @@
-//! Something to trace rays in: a closed room with ten bumpy spheres of `20 · frequency²` triangles
-//! each.
+//! Something to trace rays in: a closed room with ten bumpy spheres of `20 · frequency²`
+//! triangles each.
 
 use glam::Vec3;
 use neumann_core::accel::Bvh;
 use neumann_core::math::{Frame, Ray};
 use neumann_core::sampling::{Sampler, warp};
 
-/// Rays of a picture of `side`² pixels: from the camera, bounced off what it sees by the cosine and
-/// so in no order, and from there to a lamp.
+/// Rays of a picture of `side`² pixels: from the camera, bounced off what it sees by the cosine
+/// and so in no order, and from there to a lamp.
 #[must_use]
 pub fn rays(bvh: &Bvh, triangles: &[[Vec3; 3]], side: u32) -> [Vec<Ray>; 3] {
     let eye = Vec3::new(0.0, 1.0, 5.9);

@@ -76,8 +76,8 @@
 //! - \[Veach 1997\] E. Veach, Robust Monte Carlo Methods for Light Transport Simulation.
 //! - \[VCM\] I. Georgiev, Implementing Vertex Connection and Merging, technical report, Saarland
 //!   University, 2012.
-//! - I. Georgiev, J. Křivánek, T. Davidovič, Ph. Slusallek, Light Transport Simulation with Vertex
-//!   Connection and Merging, ACM TOG 31(6), 2012.
+//! - I. Georgiev, J. Křivánek, T. Davidovič, Ph. Slusallek, Light Transport Simulation with
+//!   Vertex Connection and Merging, ACM TOG 31(6), 2012.
 //! - C. Knaus, M. Zwicker, Progressive Photon Mapping: A Probabilistic Approach, ACM TOG 30(3),
 //!   2011.
 //! - H. W. Jensen, Realistic Image Synthesis Using Photon Mapping, 2001.

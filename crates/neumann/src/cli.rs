@@ -295,8 +295,9 @@ pub(crate) struct SeriesArguments {
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "relMSE is mean((a-b)² / (b² + 0.01)) over pixels and channels, b the reference. \
-    FLIP compares what is shown after exposure and tone curve, at 67 pixels per degree.\n\n\
+    after_help = "relMSE is mean((a-b)² / (b² + 0.01)) over pixels and channels, b the \
+    reference. FLIP compares what is shown after exposure and tone curve, at 67 pixels per \
+    degree.\n\n\
     Examples:\n  \
     neumann compare mine.exr reference.exr\n  \
     neumann compare pt-nee.exr pt-mis.exr --layer T1 -o difference.png --json"

@@ -191,8 +191,8 @@ fn float_from_half(h: f16) -> f32 {
 
 #[inline]
 fn rgb_from_rgbe([r, g, b, e]: [u8; 4]) -> Rgb {
-    // 2^(e − 128), below which 1/256 comes in two steps: 2^(e − 136) is no normal number for small
-    // e.
+    // 2^(e − 128), below which 1/256 comes in two steps: 2^(e − 136) is no normal number for
+    // small e.
     let scale = if e > 1 {
         f32::from_bits(u32::from(e - 1) << 23)
     } else {

@@ -164,8 +164,8 @@ impl TechniqueTable {
     }
 }
 
-/// Bounce by bounce, k + 3 techniques without a merge (s = 0 … k + 2), then k merges (s = 2 … k +
-/// 1).
+/// Bounce by bounce, k + 3 techniques without a merge (s = 0 … k + 2), then k merges
+/// (s = 2 … k + 1).
 fn index_of(strategy: Strategy) -> usize {
     let k = strategy.bounce() as usize;
     let first = k * k + 2 * k;
@@ -188,8 +188,8 @@ fn techniques_of(k: usize) -> impl Iterator<Item = Strategy> {
 }
 
 impl TechniqueFilm {
-    /// An empty one for an image of `width × height` pixels, `divisor` times smaller each way, with
-    /// techniques of fewer than `n_bounces` bounces apart.
+    /// An empty one for an image of `width × height` pixels, `divisor` times smaller each way,
+    /// with techniques of fewer than `n_bounces` bounces apart.
     #[must_use]
     pub fn new(width: usize, height: usize, divisor: usize, n_bounces: usize) -> Self {
         let divisor = divisor.max(1);

@@ -203,10 +203,7 @@ macro_rules! vectorized {
                     body($($argument),*);
                 }
                 if $crate::math::lanes::has_avx512() {
-                    #[allow(
-                        unsafe_code,
-                        reason = "the processor was just found to have these features"
-                    )]
+                    #[allow(unsafe_code, reason = "the processor was just found to have them")]
                     // SAFETY: as said.
                     return unsafe { with_avx512($($argument),*) };
                 }

@@ -1,9 +1,9 @@
 //! Points found by place: a grid of cells as wide as twice the radius, hashed into a table.
 //!
-//! A ball of the radius meets at most 2×2×2 cells. Points of a cell lie side by side, in the order
-//! in which they were given, so that sums over them have the same bits for any number of threads.
-//! They are kept as copies, since a search that had to follow indices would wait for memory most of
-//! its time.
+//! A ball of the radius meets at most 2×2×2 cells. Points of a cell lie side by side, in the
+//! order in which they were given, so that sums over them have the same bits for any number of
+//! threads. They are kept as copies, since a search that had to follow indices would wait for
+//! memory most of its time.
 
 use std::mem::take;
 

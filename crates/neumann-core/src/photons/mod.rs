@@ -1,8 +1,8 @@
 //! Photons: vertices of light paths, kept where they landed, and found again by place.
 //!
-//! The radiance that a surface scatters is estimated from the photons around a point, `L(x, wo) ≈ Σ
-//! f(wo, w_j) Φ_j K(|x - x_j|)` (Jensen 2001, ch. 7), with a kernel K that integrates to one over a
-//! disk.
+//! The radiance that a surface scatters is estimated from the photons around a point,
+//! `L(x, wo) ≈ Σ f(wo, w_j) Φ_j K(|x - x_j|)` (Jensen 2001, ch. 7), with a kernel K that
+//! integrates to one over a disk.
 
 mod hash_grid;
 mod kernel;

@@ -205,8 +205,8 @@ mod tests {
         assert_eq!(counts(&[(0.5, 8.0); 3]), [MEAN_COUNT; 3]);
         // Twice the error, but for the even share: 1 + 3 · 2/3 and 1 + 3 · 4/3.
         assert_eq!(counts(&[(1.0, 9.0), (2.0, 9.0)]), [3, 5]);
-        // As much error by sixteen times the rays, a quarter of the paths: 1 + 3 · 0.85 and 1 + 3 ·
-        // 3.4.
+        // As much error by sixteen times the rays, a quarter of the paths: 1 + 3 · 0.85 and
+        // 1 + 3 · 3.4.
         assert_eq!(counts(&[(1.0, 16.0), (1.0, 1.0)]), [4, 11]);
         // Neither the one to which a firefly came nor the others get out of hand.
         let mut findings = [(0.1, 5.0); 100];

@@ -171,8 +171,8 @@ mod tests {
     #[test]
     fn dimensions_of_different_bounces_are_stratified_together() {
         // Of 256 points, the first dimensions of the camera's block and of the next two bounces'
-        // have one or two in each of 4×4×4 cells of three times four on average, where padded ones
-        // would leave some out.
+        // have one or two in each of 4×4×4 cells of three times four on average, where padded
+        // ones would leave some out.
         for key in 0..20 {
             let mut counts = [0u32; 64];
             for i in 0..256 {

@@ -6,12 +6,12 @@
 //! to itself, but the points are made once for a tile.
 //!
 //! The shifts of the camera's numbers and of those of the first two bounces are spread over squares
-//! of 2×2, 4×4 … 16×16 pixels: each dimension has one shift in each of as many equal parts of [0,
-//! 1), and each pair of dimensions one in each of as many equal cells of [0, 1)². What neighbours
-//! get wrong, they get wrong in different directions, and the eye, which averages over neighbours,
-//! sees less of it in the first iterations. (The hierarchical ordering of pixels of Ahmed and Wonka
-//! 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error".) Where bounces come
-//! later, the shift is random for each pixel.
+//! of 2×2, 4×4 … 16×16 pixels: each dimension has one shift in each of as many equal parts of
+//! [0, 1), and each pair of dimensions one in each of as many equal cells of [0, 1)². What
+//! neighbours get wrong, they get wrong in different directions, and the eye, which averages over
+//! neighbours, sees less of it in the first iterations. (The hierarchical ordering of pixels of
+//! Ahmed and Wonka 2020, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error".) Where
+//! bounces come later, the shift is random for each pixel.
 //!
 //! What a set of few points gets wrong is a sum of Walsh functions, and a shift multiplies each of
 //! them by its value there. So every pair orders the pixels by itself, at random in every square.
@@ -67,9 +67,9 @@ static SHIFTS: LazyLock<Box<[Shifts; N_ARRANGEMENTS]>> = LazyLock::new(|| {
     all
 });
 
-/// The number of pixel (x, y) of a tile in an order in which the pixels of each square of 2ᵏ×2ᵏ
-/// follow each other, and which is otherwise random: in each square, a permutation of the
-/// quadrants.
+/// The number of pixel (x, y) of a tile in an order in which the pixels of each square of
+/// 2ᵏ×2ᵏ follow each other, and which is otherwise random: in each square, a permutation of
+/// the quadrants.
 fn order(key: u64, x: usize, y: usize) -> u32 {
     (0..EDGE.ilog2()).fold(0, |below, level| {
         let quadrant = x >> level & 1 | (y >> level & 1) << 1;

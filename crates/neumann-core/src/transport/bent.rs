@@ -11,15 +11,11 @@
 //!   transmitted light that would come from above it likewise: what arrives along l arrives along
 //!   those of l and its mirror image for which `ns` agrees with `ng` about the side of l, `V(l)`.
 //!
-//! So `f cos(c, l) = Σ over v in V(l) of f(x(c), v) |v·ns|`. It is continuous, scatters as much as
-//! the
-//! BSDF does about a normal of its own, and is the same for every method: c is the direction
-//! towards
-//! the camera and l towards the light, whichever the walk comes from. For importance, it is divided
-//! by
-//! `|l·ng|` and multiplied by `|c·ng|` ([Veach 1997] 5.3). Both maps keep solid angles, so that
-//! delta
-//! lobes need no more than that.
+//! So `f cos(c, l) = Σ over v in V(l) of f(x(c), v) |v·ns|`. It is continuous, scatters as much
+//! as the BSDF does about a normal of its own, and is the same for every method: c is the direction
+//! towards the camera and l towards the light, whichever the walk comes from. For importance, it is
+//! divided by `|l·ng|` and multiplied by `|c·ng|` ([Veach 1997] 5.3). Both maps keep solid
+//! angles, so that delta lobes need no more than that.
 
 use glam::Vec3;
 

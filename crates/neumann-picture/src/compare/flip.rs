@@ -25,7 +25,8 @@ const PC: f32 = 0.4;
 const PT: f32 = 0.95;
 const FEATURE_WIDTH: f32 = 0.082;
 const QF: f32 = 0.5;
-/// Contrast sensitivity of each opponent channel: terms (a, b) of `a √(π/b) exp(−π² x² / b)`.
+/// Contrast sensitivity of each opponent channel: terms (a, b) of
+/// `a √(π/b) exp(−π² x² / b)`.
 const SENSITIVITY: [&[(f32, f32)]; 3] = [
     &[(1.0, 0.0047)],
     &[(1.0, 0.0053)],

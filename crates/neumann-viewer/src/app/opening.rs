@@ -160,8 +160,8 @@ impl App {
         {
             setup.film_size = FilmSize::Window;
             self.shell.notices.failure(format!(
-                "The state's size {w}×{h} is more than the graphics device draws, {largest} pixels \
-                 each way; the film follows the window"
+                "The state's size {w}×{h} is more than the graphics device draws, {largest} \
+                 pixels each way; the film follows the window"
             ));
         }
         match state::sky(state) {

@@ -190,7 +190,8 @@ impl Camera {
     /// the raster position that the light falls on; `None` if it misses the film.
     ///
     /// `value` of the aim is importance arriving at x, already multiplied by the number of
-    /// pixels: light of one path adds `f · cos · value / pdf_w` times its throughput to that pixel.
+    /// pixels: light of one path adds `f · cos · value / pdf_w` times its throughput to that
+    /// pixel.
     #[inline(always)]
     #[must_use]
     pub fn aim(&self, x: Vec3, u: [f32; 2]) -> Option<(Aim, Vec2)> {
@@ -231,7 +232,8 @@ impl Camera {
         }
         let pdf_w_start = self.pdf_w(cos);
         let pdf_a = 1.0 / self.lens_area;
-        // W_e cos = pixels · pdf_a · pdf_w, so that a camera sample weighs 1 ([PBR4] 5.4.1 online).
+        // W_e cos = pixels · pdf_a · pdf_w, so that a camera sample weighs 1 ([PBR4] 5.4.1
+        // online).
         let importance = n_pixels * pdf_w_start * pdf_a / cos;
         let is_pinhole = self.lens.is_none();
         let d2 = distance * distance;

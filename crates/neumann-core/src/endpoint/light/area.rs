@@ -259,8 +259,8 @@ impl Panel {
         }
     }
 
-    /// Starts a ray from the point that `u` in [0, 1)² chooses, in the direction that `u_direction`
-    /// does, the triangle being of one radiance.
+    /// Starts a ray from the point that `u` in [0, 1)² chooses, in the direction that
+    /// `u_direction` does, the triangle being of one radiance.
     #[inline(always)]
     pub(super) fn start(&self, u: [f32; 2], u_direction: [f32; 2], radiance: Rgb) -> Option<Start> {
         let barycentrics = warp::triangle(u);

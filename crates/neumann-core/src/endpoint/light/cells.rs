@@ -145,8 +145,8 @@ impl CellTriangle {
             return None;
         }
         let outer = [min.floor() as i64, max.ceil() as i64];
-        // A cell is whole where its four corners are inside of each edge: `across · corner + offset
-        // >= 0`.
+        // A cell is whole where its four corners are inside of each edge:
+        // `across · corner + offset >= 0`.
         let (mut low, mut high) = (outer[0] as f64, outer[1] as f64);
         for i in 0..3 {
             let (from, to) = (self.corners[i], self.corners[(i + 1) % 3]);

@@ -10,8 +10,8 @@
 //! the cosines are not the best that the bounds allow: a closed lantern would count as if all of it
 //! faced the receiver. With `V` the vector sum of the lights' axes, by intensity, and `m` its
 //! length over the sum of intensities, the mean of `max(0, cos θ)` over the lights is that of a
-//! single direction for m = 1, and in general close to `1/4 + V·ω / 2`, the first two terms of the
-//! clamped cosine in spherical harmonics.
+//! single direction for m = 1, and in general close to `1/4 + V·ω / 2`, the first two terms of
+//! the clamped cosine in spherical harmonics.
 
 use glam::Vec4;
 

@@ -89,8 +89,9 @@ impl<'a> LightSubpath<'a> {
         }
     }
 
-    /// s ≥ 2: connects all vertices to one of a camera subpath, as far as that leaves a path short
-    /// enough. What comes of it is handed to `add`, or waits to be seen, and belongs to `place`.
+    /// s ≥ 2: connects all vertices to one of a camera subpath, as far as that leaves a path
+    /// short enough. What comes of it is handed to `add`, or waits to be seen, and belongs to
+    /// `place`.
     #[allow(clippy::too_many_arguments, reason = "a path with all its ends")]
     #[inline]
     pub(super) fn connect(

@@ -73,8 +73,8 @@ pub struct MisWeights {
     heuristic: Heuristic,
     /// Light subpaths for each camera subpath.
     light_paths: f32,
-    /// `of(η)`, with `η = N π r²` the density of merges over that of connections; 0 where nothing
-    /// merges.
+    /// `of(η)`, with `η = N π r²` the density of merges over that of connections; 0 where
+    /// nothing merges.
     merges: f32,
     /// `of(1 / η)`; 0 where nothing merges or nothing is connected.
     connections: f32,

@@ -238,7 +238,10 @@ impl View for PhotonView {
 fn show_caption(painter: &Painter, rect: Rect, caption: &str, facts: &[String], p: &Palette) {
     let room = rect.width() - 6.0 * GRID;
     let caption = painter.layout(caption.to_owned(), theme::body(), p.text, room);
-    let line = |facts: &[String]| painter.layout_no_wrap(facts.join(" · "), theme::small(), p.weak);
+    let line = |facts: &[String]| {
+        let text = facts.join(" · ");
+        painter.layout_no_wrap(text, theme::small(), p.weak)
+    };
     // Where there is no room for all, how many there are is left to the status line.
     let all = line(facts);
     let facts = if all.size().x > room {

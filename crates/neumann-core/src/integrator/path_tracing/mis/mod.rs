@@ -1,11 +1,11 @@
 //! Path tracing with multiple importance sampling.
 //!
 //! The last one plus one idea: light is both aimed at and run into, and each way is weighed by how
-//! well it samples the direction, `w_i = p_i² / (p_1² + p_2²)` ([Veach 1997] 9.2.3.2). A sky of one
-//! radiance is not aimed at: the BSDF samples it as it counts. Where there are mirrors or glass, a
-//! diffuse surface sends them some of its paths ([`crate::transport::specular_casters`]). Where
-//! such a sky is the only light, a path splits in two at its first surface: nearly all of the error
-//! is in what of the sky is seen from there. Long paths end by Russian roulette on their
+//! well it samples the direction, `w_i = p_i² / (p_1² + p_2²)` ([Veach 1997] 9.2.3.2). A sky of
+//! one radiance is not aimed at: the BSDF samples it as it counts. Where there are mirrors or
+//! glass, a diffuse surface sends them some of its paths ([`crate::transport::specular_casters`]).
+//! Where such a sky is the only light, a path splits in two at its first surface: nearly all of the
+//! error is in what of the sky is seen from there. Long paths end by Russian roulette on their
 //! throughput.
 //!
 //! `PathTracer::step` is the method. `lanes` takes sixteen paths through it side by side, which

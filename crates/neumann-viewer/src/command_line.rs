@@ -59,14 +59,28 @@ pub fn of(session: &Session, settings: &ViewSettings) -> Option<CommandLine> {
     for extension in ["exr", "png"] {
         words.option("-o", format!("{name}.{extension}"));
     }
-    let is_edited = is_edited(open);
+    let mut leaves_out = Vec::new();
+    if is_edited(open) {
+        leaves_out.push("edits of materials and lights");
+    }
+    if is_other_width(setup, open) {
+        leaves_out.push("the width of an orthographic view");
+    }
     Some(CommandLine {
         text: words.0.join(" "),
-        leaves_out: is_edited
-            .then_some("edits of materials and lights")
-            .into_iter()
-            .collect(),
+        leaves_out,
     })
+}
+
+/// True if an orthographic camera shows more or less than in the file.
+fn is_other_width(setup: &Setup, open: &OpenScene) -> bool {
+    let now = setup
+        .camera
+        .as_ref()
+        .map(|control| control.camera().projection);
+    let of_file = open.scene.cameras().get(open.camera);
+    matches!(now, Some(Projection::Orthographic { .. }))
+        && now != of_file.map(|camera| camera.projection)
 }
 
 /// The camera of the file, and how it has been moved.
@@ -117,10 +131,13 @@ fn environment(words: &mut Words, setup: &Setup, open: &OpenScene) {
         words.option("--env-intensity", level.brightness);
     }
     let turn = |appearance: &Appearance| appearance.environment.as_ref().map(|map| map.rotation);
-    if let Some(rotation) = turn(appearance).filter(|_| level.is_on)
-        && turn(&open.original) != Some(rotation)
-        && rotation != 0.0
-    {
+    // What the command makes of the sky without being told.
+    let usual = match &setup.sky {
+        None => turn(&open.original).unwrap_or(0.0),
+        Some(_) => 0.0,
+    };
+    let turned = turn(appearance).filter(|rotation| level.is_on && *rotation != usual);
+    if let Some(rotation) = turned {
         words.option("--env-rotation", degrees(rotation));
     }
     if appearance.backs != Backs::default() {

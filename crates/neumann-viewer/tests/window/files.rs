@@ -7,16 +7,17 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::{Mat4, Vec3};
 use neumann_core::radiometry::Rgb;
-use neumann_core::scene::Scene;
 use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::description::{
     CameraDescription, InstanceDescription, MaterialDescription, MeshDescription, SceneDescription,
 };
+use neumann_core::scene::{Scene, Sky};
 use neumann_viewer::app::App;
 use neumann_viewer::command_line;
 use neumann_viewer::file_list::FileList;
 use neumann_viewer::panels::Page;
 use neumann_viewer::scene_source::Wanted;
+use neumann_viewer::setup::Setup;
 
 use crate::{click, harness, press, wait};
 
@@ -107,6 +108,35 @@ fn the_window_can_be_copied_as_a_command() {
         },
         camera.projection
     );
+
+    // A sky keeps its turn where the command would give it another one, and edits are told.
+    let setup = &mut harness.state_mut().session.setup;
+    setup.choose_sky(Some(Sky::Sun));
+    let turned = |setup: &mut Setup, rotation: f32| {
+        let scene = &setup.open.as_ref().unwrap().scene;
+        let mut appearance = scene.appearance().clone();
+        let sky = appearance.environment.as_mut().unwrap();
+        Arc::make_mut(sky).rotation = rotation;
+        appearance.material_levels[0].brightness = 2.0;
+        setup.dress(appearance);
+    };
+    turned(setup, 0.5f32.to_radians());
+    let command = copied(&harness);
+    assert!(
+        command.text.contains(" --env sun --env-rotation 0.5 "),
+        "{}",
+        command.text
+    );
+    assert_eq!(command.leaves_out, ["edits of materials and lights"]);
+    turned(&mut harness.state_mut().session.setup, 0.0);
+    assert!(!copied(&harness).text.contains("rotation"));
+    let level = |setup: &mut Setup| {
+        let scene = &setup.open.as_ref().unwrap().scene;
+        let mut appearance = scene.appearance().clone();
+        appearance.material_levels[0].brightness = 1.0;
+        setup.dress(appearance);
+    };
+    level(&mut harness.state_mut().session.setup);
 
     // It is copied by its key.
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::L);

@@ -79,7 +79,12 @@ pub(crate) fn app() -> App {
 
 /// The window on a film, with the furnace as its scene.
 pub(crate) fn app_of(published: Published, options: ViewOptions) -> App {
-    let mut app = App::new(RenderLink::fixed(published), options, || {});
+    app_on(RenderLink::fixed(published), options)
+}
+
+/// The window on what a link renders, with the furnace as its scene.
+pub(crate) fn app_on(link: RenderLink, options: ViewOptions) -> App {
+    let mut app = App::new(link, options, || {});
     app.shell.gallery.keep_still();
     let description = builtin("furnace").expect("a built-in scene");
     let description = description.load().expect("a scene as it comes");

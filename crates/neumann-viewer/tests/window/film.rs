@@ -8,10 +8,11 @@ use neumann_core::integrator::METHODS;
 use neumann_core::render::StopRule;
 use neumann_viewer::ViewOptions;
 use neumann_viewer::app::App;
+use neumann_viewer::render_link::RenderLink;
 use neumann_viewer::setup::FilmSize;
 
-use crate::support::{app_of, published};
-use crate::{click, harness, harness_of, press};
+use crate::support::{app_of, app_on, published};
+use crate::{click, harness, harness_of, press, wait};
 
 #[test]
 fn pausing_by_key_and_by_button() {
@@ -149,6 +150,30 @@ fn presenting_shows_method_and_filmstrip_alone_and_large_and_keeps_the_samples()
     press(&mut harness, Key::F5);
     press(&mut harness, Key::F2);
     assert!(!harness.state().shell.is_presenting);
+}
+
+/// The picture of a film that gets another size stays until the new film has as many iterations.
+#[test]
+fn the_old_picture_stays_until_the_new_film_has_caught_up() {
+    let link = RenderLink::live(Some(1), || {}).expect("a thread");
+    let mut harness = harness_of([640.0, 420.0], app_on(link, ViewOptions::default()));
+    let is_old = |app: &App| app.session.picture.stats.seconds > 1.0;
+    wait(&mut harness, |app| app.session.is_current() && is_old(app));
+    harness.set_size(egui::vec2(700.0, 440.0));
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::Z);
+    harness.run_steps(2);
+    let session = &harness.state().session;
+    let (size, n_iterations) = (session.picture.size, session.picture.stats.n_iterations);
+    assert_ne!(session.setup.size, size);
+    let (_, of) = session.catching_up().expect("the old picture stays");
+    assert_eq!(of, n_iterations);
+
+    wait(&mut harness, |app| app.session.catching_up().is_none());
+    harness.run_steps(2);
+    let session = &harness.state().session;
+    assert_eq!(session.picture.size, session.setup.size);
+    assert!(session.picture.stats.n_iterations >= n_iterations);
 }
 
 #[test]

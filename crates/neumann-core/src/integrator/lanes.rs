@@ -21,6 +21,7 @@ use crate::transport::diffuse::{DiffuseHit, DiffuseSamples, DiffuseVertices};
 use crate::transport::{Tracer, is_segment};
 
 /// The paths of all lanes that have one.
+#[derive(Clone)]
 pub(super) struct PathLanes<'t> {
     /// Their rays; a lane without one has no path.
     pub(super) rays: RayLanes,

@@ -259,6 +259,7 @@ impl<'a> Pass<'a> {
     ) -> Result<(), Cancelled>
     where
         M: Fn() -> R + Sync + Send,
+        R: Send,
         F: Fn(&mut R, PixelSample, &mut Tracer<'s>, &Sampler<'_>, &mut PixelSink<'_>) + Sync,
     {
         self.trace_tiles(
@@ -285,6 +286,7 @@ impl<'a> Pass<'a> {
         paths: F,
     ) -> Result<(), Cancelled>
     where
+        R: Send,
         M: Fn() -> R + Sync + Send,
         F: for<'t> Fn(&mut R, Pixels<'t>, &mut Tracer<'s>, &mut Sink<'_>) + Sync,
     {

@@ -51,16 +51,11 @@ pub struct Splits<'t> {
 }
 
 impl<'t> Splits<'t> {
-    /// Those of all but the path itself.
+    /// Those of one of the paths that it splits into, below the `n_splits` of the integrator.
     #[inline]
-    pub fn others(self) -> impl Iterator<Item = Sampler<'t>> {
-        let Self {
-            numbers,
-            place,
-            index,
-        } = self;
-        let others = numbers.iter().skip(1);
-        others.map(move |numbers| numbers.of_pixel(place.x(), place.y(), index))
+    #[must_use]
+    pub fn sampler(&self, split: usize) -> Sampler<'t> {
+        self.numbers[split].of_pixel(self.place.x(), self.place.y(), self.index)
     }
 }
 

@@ -4,6 +4,7 @@
 //! film as soon as they are known.
 
 use std::cell::Cell;
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -36,6 +37,7 @@ impl Pass<'_> {
         background: Option<Rgb>,
     ) -> Result<(), Cancelled>
     where
+        R: Send,
         M: Fn() -> R + Sync + Send,
         F: for<'t> Fn(&mut R, Pixels<'t>, &mut Tracer<'s>, &mut Sink<'_>) + Sync,
     {
@@ -72,6 +74,9 @@ impl Pass<'_> {
             sink.into_yield(tracer.n_rays())
         };
         let rounds = self.rounds(grid.n_tiles());
+        // As many as there are threads: each tile takes one that another has left.
+        let rooms = Mutex::new(Vec::new());
+        let rooms = || rooms.lock().unwrap_or_else(PoisonError::into_inner);
         for round in &rounds {
             let (values, lit) = self.frame.tiles();
             let tiles = values[round.start * per_tile..round.end * per_tile]
@@ -85,14 +90,16 @@ impl Pass<'_> {
                 .into_par_iter()
                 .enumerate()
                 .with_max_len(1)
-                .map_init(&room, |room, (i, target)| {
+                .map(|(i, target)| {
                     if cancel.is_cancelled() {
                         return Yield::default();
                     }
                     let number = round.start + i;
-                    match target {
+                    let taken = rooms().pop();
+                    let mut room = taken.unwrap_or_else(&room);
+                    let part = match target {
                         Target::Frame(tile, lit) => {
-                            trace(room, number, PixelSink::new(tile, lit, shape))
+                            trace(&mut room, number, PixelSink::new(tile, lit, shape))
                         }
                         Target::Film(tile) => {
                             // In memory that stays in the cache.
@@ -100,12 +107,14 @@ impl Pass<'_> {
                             values.resize(per_tile, Rgb::BLACK);
                             let mut lit = LitLayers::default();
                             let sink = PixelSink::new(&mut values, &mut lit, shape);
-                            let part = trace(room, number, sink);
+                            let part = trace(&mut room, number, sink);
                             tile.take(&values, lit);
                             VALUES_OF_TILE.set(values);
                             part
                         }
-                    }
+                    };
+                    rooms().push(room);
+                    part
                 })
                 .collect();
             for (n_rays, part) in self.frame.n_rays_of_tiles[round.clone()]

@@ -24,7 +24,7 @@ pub struct StartNumbers {
 }
 
 /// What a path needs at one scattering event: numbers in [0, 1).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct BounceNumbers {
     /// The direction in which the path goes on,
     pub direction: [f32; 2],

@@ -1,13 +1,12 @@
 //! Camera subpaths: every vertex is joined with the lights and with the vertices of light subpaths.
 //!
-//! Sixteen walk side by side ([`crate::integrator::lanes`]). A step is made alone
-//! ([`CameraEnd::step`]) or with those of other lanes; the order in which contributions to a pixel
-//! are added is all that this changes.
+//! Sixteen walk side by side ([`crate::integrator::lanes`]); [`CameraEnd::trace`] has the order of
+//! their steps.
 
 use super::connect::{
     contribution, hit_emitter, hit_environment, next_event, next_event_unshadowed,
 };
-use super::lanes::{Directions, VertexLanes, WalkLanes, knowing_heuristic};
+use super::lanes::{Directions, Met, VertexLanes, WalkLanes, knowing_heuristic};
 use super::light::LightVertex;
 use super::merging::Merging;
 use super::subpath::{LightSubpath, Waiting};
@@ -46,21 +45,18 @@ pub(in crate::integrator) struct CameraScratch<'s> {
     /// What each lane's subpath is connected to.
     lights: Vec<LightSubpath<'s>>,
     waiting: Waiting,
-    vertices: VertexLanes<'s>,
+    met: Met<'s>,
     events: AimLanes,
     directions: Directions,
-    merges: Vec<Merge<'s>>,
+    merges: Vec<Merge>,
     near: Vec<Near>,
 }
 
 /// A vertex that is to be merged, with its search. What it looks for is far away in memory: so all
 /// lanes search together, and between one step of their searches and the next, other things are
 /// done.
-struct Merge<'s> {
-    /// The vertex, if it is not that of the lane.
-    alone: Option<Vertex<'s>>,
+struct Merge {
     lane: usize,
-    n_vertices: u16,
     search: Search,
     /// Where what was found for it ends among all that was.
     end: usize,
@@ -71,6 +67,8 @@ struct Merge<'s> {
 struct AimLanes {
     panels: PanelLanes,
     start_over_aim: Lanes<f32>,
+    /// The lanes that aim by themselves, one bit for each.
+    by_themselves: u32,
     light: Unseen,
 }
 
@@ -80,7 +78,7 @@ impl<'s> CameraScratch<'s> {
         Self {
             lights: (0..LANES).map(|_| LightSubpath::new(scene)).collect(),
             waiting: Waiting::default(),
-            vertices: VertexLanes::new(scene),
+            met: Met::new(scene),
             events: AimLanes::default(),
             directions: Directions::default(),
             merges: Vec::new(),
@@ -117,22 +115,15 @@ impl CameraEnd<'_> {
         Walk::from_camera(self.camera, sample.raster, u, tracer, &self.weighing)
     }
 
-    /// One step of a subpath, from what it meets on to the next ray; false where it ends. A vertex
-    /// that is to be merged is handed to `merge`.
-    #[allow(clippy::too_many_arguments, reason = "a path with all its ends")]
-    fn step<'s>(
+    /// s = 0: `L_e`, where a subpath runs into it; the vertex that it goes on from, if it does.
+    fn meet<'s>(
         &self,
         walk: &mut Walk,
         found: Option<&Hit>,
-        lights: &mut LightSubpath<'s>,
-        waiting: &mut Waiting,
         tracer: &mut Tracer<'s>,
-        sampler: &Sampler<'_>,
         sink: &mut Sink<'_>,
-        merge: impl FnOnce(Vertex<'s>),
-    ) -> bool {
+    ) -> Option<Vertex<'s>> {
         let weighing = &self.weighing;
-        // s = 0: L_e, where the subpath runs into it.
         let Some(vertex) = walk.arrive(found, tracer, weighing) else {
             if self.has_connections {
                 if let Some(found) = hit_environment(tracer, walk, weighing) {
@@ -144,7 +135,7 @@ impl CameraEnd<'_> {
                 let bounce = u32::from(walk.n_vertices) - 1;
                 sink.add(hit(bounce, walk.carried.throughput * radiance, 1.0));
             }
-            return false;
+            return None;
         };
         let bounce = walk.bounce();
         if bounce == 0 {
@@ -159,32 +150,10 @@ impl CameraEnd<'_> {
             let emitted = tracer.emitted(&vertex.surface);
             sink.add(hit(bounce, vertex.throughput * emitted, 1.0));
         }
-        if bounce == self.max_bounces {
-            return false;
+        if bounce >= self.max_bounces {
+            return None;
         }
-        let u = sampler.bounce(bounce);
-        if vertex.surface.bsdf.has_density() {
-            if self.has_connections {
-                // s = 1: a light aimed at.
-                if let Some(found) = next_event(tracer, &vertex, &light_sample(&u), weighing) {
-                    sink.add(found);
-                }
-                // s ≥ 2: every vertex of the light subpath that leaves the path short enough.
-                lights.connect(
-                    tracer,
-                    &vertex,
-                    self.max_bounces,
-                    weighing,
-                    waiting,
-                    sink.pixel(),
-                    |place, found| sink.add_at(place, found),
-                );
-            }
-            if self.merging.is_some() {
-                merge(vertex);
-            }
-        }
-        walk.scatter(&vertex, tracer, &u, self.has_roulette, weighing)
+        Some(vertex)
     }
 }
 
@@ -224,83 +193,56 @@ impl<'s> CameraEnd<'s> {
             if walks.common.taken() == 0 {
                 break;
             }
-            // What do they meet? Some go on from there together, the others each by itself.
             let hits = tracer.hits(&walks.common.rays);
-            let mut together = 0;
-            for lane in lanes_of(walks.common.taken()) {
-                let vertices = &mut scratch.vertices;
-                if walks.join(self.scene, self.max_bounces, lane, &hits, vertices) {
-                    together |= 1 << lane;
-                }
-            }
-            if together != 0 {
-                walks.arrive(together, self.scene, &mut scratch.vertices, &self.weighing);
-                together = self.draw(together, &walks, scratch);
-            }
-            for lane in lanes_of(walks.common.taken() & !together) {
-                sink.start_pixel(places[lane]);
-                let mut walk = walks.get(lane);
-                let goes_on = self.step(
-                    &mut walk,
-                    hits[lane].as_ref(),
-                    &mut scratch.lights[lane],
-                    &mut scratch.waiting,
-                    tracer,
-                    &walks.common.samplers[lane],
-                    sink,
-                    |vertex| self.begin_merge(lane, &vertex, Some(vertex), &mut scratch.merges),
-                );
-                if goes_on {
-                    walks.set(lane, &walk);
-                } else {
-                    walks.common.end(lane);
-                }
-            }
-            if together != 0 {
-                self.begin_merges(together, &walks, scratch);
-                self.aim(together, &walks, &places, scratch, tracer, sink);
-                scratch.approach(self);
-                self.connect(together, &walks, &places, scratch, tracer, sink);
-            }
+            let (max_bounces, weighing) = (self.max_bounces, &self.weighing);
+            let met = &mut scratch.met;
+            walks.meet(
+                tracer,
+                max_bounces,
+                weighing,
+                &hits,
+                met,
+                |lane, walk, found, tracer| {
+                    sink.start_pixel(places[lane]);
+                    self.meet(walk, found, tracer, sink)
+                },
+            );
+            self.begin_merges(&walks, scratch);
+            self.draw(&walks, scratch);
+            self.aim(&walks, &places, scratch, tracer, sink);
+            scratch.approach(self);
+            self.connect(&walks, &places, scratch, tracer, sink);
             // None waits for another step, so that what is added to a pixel's layer is in the order
             // of its path.
             scratch
                 .waiting
                 .see(tracer, |place, found| sink.add_at(place, found));
             scratch.finish(self);
-            if together != 0 {
-                let (vertices, directions) = (&scratch.vertices, &mut scratch.directions);
-                walks.scatter(
-                    together,
-                    vertices,
-                    directions,
-                    self.has_roulette,
-                    &self.weighing,
-                );
-            }
-            self.merge(&places, scratch, sink);
+            self.merge(&walks, &places, scratch, sink);
+            let (met, directions) = (&mut scratch.met, &mut scratch.directions);
+            walks.scatter(met, directions, tracer, self.has_roulette, weighing);
         }
     }
 
-    /// Draws what the lanes need, and chooses lights to aim at; returns those lanes whose lights
-    /// are plain triangles.
-    fn draw(
-        &self,
-        mut together: u32,
-        walks: &WalkLanes<'_>,
-        scratch: &mut CameraScratch<'s>,
-    ) -> u32 {
+    /// Draws what plain vertices need, and chooses lights to aim at.
+    fn draw(&self, walks: &WalkLanes<'_>, scratch: &mut CameraScratch<'s>) {
+        let CameraScratch {
+            met,
+            events,
+            directions,
+            ..
+        } = scratch;
         let lights = self.scene.lights();
-        let events = &mut scratch.events;
-        for lane in lanes_of(together) {
+        events.by_themselves = walks.common.taken() & !met.plain;
+        for lane in lanes_of(met.plain) {
             let u = walks.common.samplers[lane].bounce(walks.common.bounces.get(lane));
-            scratch.directions.numbers.set(lane, &u);
+            directions.numbers.set(lane, &u);
             if !self.has_connections {
                 continue;
             }
-            let receiver = scratch.vertices.surfaces.receiver(lane);
+            events.panels.clear(lane);
+            let receiver = met.vertices.surfaces.receiver(lane);
             let Some(chosen) = lights.choose(&receiver, LightChoice::Tree, u.light) else {
-                events.panels.clear(lane);
                 continue;
             };
             match lights.as_uniform(chosen.light) {
@@ -311,16 +253,14 @@ impl<'s> CameraEnd<'s> {
                     let start_over_aim = lights.pmf_start(chosen.light) / chosen.pmf;
                     events.start_over_aim.set(lane, start_over_aim);
                 }
-                None => together &= !(1 << lane),
+                None => events.by_themselves |= 1 << lane,
             }
         }
-        together
     }
 
     /// s = 1: lights aimed at.
     fn aim(
         &self,
-        together: u32,
         walks: &WalkLanes<'_>,
         places: &[PixelPlace; LANES],
         scratch: &mut CameraScratch<'s>,
@@ -330,19 +270,29 @@ impl<'s> CameraEnd<'s> {
         if !self.has_connections {
             return;
         }
-        let events = &mut scratch.events;
-        aim(&scratch.vertices, events, &self.weighing);
-        for seen in events.light.see(together, tracer) {
+        let CameraScratch { met, events, .. } = scratch;
+        for lane in lanes_of(events.by_themselves) {
+            let u = light_sample(&met.numbers(lane, walks));
+            met.with_vertex(lane, walks, |vertex| {
+                if let Some(found) = next_event(tracer, vertex, &u, &self.weighing) {
+                    sink.add_at(places[lane], found);
+                }
+            });
+        }
+        if met.plain == 0 {
+            return;
+        }
+        aim(&met.vertices, events, &self.weighing);
+        for seen in events.light.see(met.plain, tracer) {
             let strategy = Strategy::connect(1, walks.n_vertices(seen.lane));
             let found = contribution(seen.value, seen.mis_weight, strategy);
             sink.add_at(places[seen.lane], found);
         }
     }
 
-    /// s ≥ 2: every vertex of the light subpaths that leaves the path short enough.
+    /// s ≥ 2: every vertex of the light subpath that leaves the path short enough.
     fn connect(
         &self,
-        together: u32,
         walks: &WalkLanes<'_>,
         places: &[PixelPlace; LANES],
         scratch: &mut CameraScratch<'s>,
@@ -352,74 +302,57 @@ impl<'s> CameraEnd<'s> {
         if !self.has_connections {
             return;
         }
-        let (weighing, waiting) = (&self.weighing, &mut scratch.waiting);
-        for lane in lanes_of(together) {
-            let vertex = scratch.vertices.get(lane, walks.n_vertices(lane));
-            scratch.lights[lane].connect(
-                tracer,
-                &vertex,
-                self.max_bounces,
-                weighing,
-                waiting,
-                places[lane],
-                |place, found| sink.add_at(place, found),
-            );
-        }
-    }
-
-    /// Begins to look for what the vertices of the lanes are to be merged with.
-    fn begin_merges(&self, together: u32, walks: &WalkLanes<'_>, scratch: &mut CameraScratch<'s>) {
-        if self.merging.is_none() {
-            return;
-        }
-        for lane in lanes_of(together) {
-            let vertex = scratch.vertices.get(lane, walks.n_vertices(lane));
-            self.begin_merge(lane, &vertex, None, &mut scratch.merges);
-        }
-    }
-
-    /// Begins to look for what a vertex is to be merged with.
-    #[inline(always)]
-    fn begin_merge(
-        &self,
-        lane: usize,
-        vertex: &Vertex<'s>,
-        alone: Option<Vertex<'s>>,
-        merges: &mut Vec<Merge<'s>>,
-    ) {
-        if let Some(merging) = &self.merging {
-            merges.push(Merge {
-                search: merging.grid().begin(vertex.surface.point.position),
-                alone,
-                lane,
-                n_vertices: vertex.n_vertices,
-                end: 0,
+        let CameraScratch {
+            met,
+            lights,
+            waiting,
+            ..
+        } = scratch;
+        let (weighing, max_bounces) = (&self.weighing, self.max_bounces);
+        for lane in lanes_of(walks.common.taken()) {
+            let (lights, place) = (&mut lights[lane], places[lane]);
+            met.with_vertex(lane, walks, |vertex| {
+                let add = |place, found| sink.add_at(place, found);
+                lights.connect(tracer, vertex, max_bounces, weighing, waiting, place, add);
             });
+        }
+    }
+
+    /// Begins to look for what the vertices are to be merged with.
+    fn begin_merges(&self, walks: &WalkLanes<'_>, scratch: &mut CameraScratch<'s>) {
+        let Some(merging) = &self.merging else { return };
+        let CameraScratch { met, merges, .. } = scratch;
+        for lane in lanes_of(walks.common.taken()) {
+            if let Some(position) = met.position(lane) {
+                merges.push(Merge {
+                    search: merging.grid().begin(position),
+                    lane,
+                    end: 0,
+                });
+            }
         }
     }
 
     /// Merges all vertices of a step with what was found.
     fn merge(
         &self,
+        walks: &WalkLanes<'_>,
         places: &[PixelPlace; LANES],
         scratch: &mut CameraScratch<'s>,
         sink: &mut Sink<'_>,
     ) {
         let Some(merging) = &self.merging else { return };
+        let CameraScratch {
+            met, merges, near, ..
+        } = scratch;
         let mut start = 0;
-        for merge in scratch.merges.drain(..) {
-            let near = &scratch.near[start..merge.end];
-            start = merge.end;
-            let in_lane;
-            let vertex = match &merge.alone {
-                Some(vertex) => vertex,
-                None => {
-                    in_lane = scratch.vertices.get(merge.lane, merge.n_vertices);
-                    &in_lane
-                }
-            };
-            sink.start_pixel(places[merge.lane]);
-            merging.merge(vertex, near, self.max_bounces, &self.weighing, sink);
+        for Merge { lane, end, .. } in merges.drain(..) {
+            let near = &near[start..end];
+            start = end;
+            sink.start_pixel(places[lane]);
+            met.with_vertex(lane, walks, |vertex| {
+                merging.merge(vertex, near, self.max_bounces, &self.weighing, sink);
+            });
         }
     }
 }

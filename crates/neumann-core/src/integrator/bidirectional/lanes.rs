@@ -1,16 +1,20 @@
 //! Subpaths side by side, from either end ([`crate::integrator::lanes`]).
 
+use glam::Vec3;
+
 use super::walk::{Carried, CarriedLanes, of_first};
 use super::{Heuristic, MisWeights, Vertex, Walk};
-use crate::accel::HitLanes;
+use crate::accel::{Hit, HitLanes};
 use crate::bsdf::TransportMode;
 use crate::endpoint::ReceiverLanes;
 use crate::integrator::lanes::{DirectionNumbers, PathLanes};
 use crate::math::lanes::{LANES, Lanes, lanes_of, vectorized};
 use crate::pass::Sink;
 use crate::radiometry::RgbLanes;
+use crate::sampling::BounceNumbers;
 use crate::scene::Scene;
 use crate::scene::bodies::Media;
+use crate::transport::Tracer;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
 
 use super::weights::PartialLanes;
@@ -28,6 +32,16 @@ pub(super) struct WalkLanes<'t> {
     has_receiver: u32,
     comes_from_infinity: u32,
     is_specular: u32,
+}
+
+/// What the subpaths of all lanes have met: plain vertices side by side, others each by itself.
+pub(super) struct Met<'a> {
+    pub(super) vertices: VertexLanes<'a>,
+    /// The lanes with plain vertices, one bit for each.
+    pub(super) plain: u32,
+    others: Vec<Option<Vertex<'a>>>,
+    /// The random numbers of others.
+    numbers: [BounceNumbers; LANES],
 }
 
 /// Vertices of subpaths, on diffuse surfaces.
@@ -104,6 +118,23 @@ impl WalkLanes<'_> {
         }
     }
 
+    /// The subpath of a lane, at the vertex that it has met.
+    #[inline(always)]
+    fn at(&self, lane: usize, vertex: &Vertex<'_>) -> Walk {
+        Walk {
+            carried: Carried {
+                throughput: vertex.throughput,
+                partial: vertex.partial,
+                ..self.carried.get(lane)
+            },
+            media: vertex.media,
+            n_vertices: vertex.n_vertices,
+            light: None,
+            comes_from_infinity: false,
+            ..self.get(lane)
+        }
+    }
+
     /// Puts a subpath into a lane, beside its random numbers.
     pub(super) fn set(&mut self, lane: usize, walk: &Walk) {
         let bounce = u32::from(walk.n_vertices) - 1;
@@ -119,11 +150,45 @@ impl WalkLanes<'_> {
         set(&mut self.is_specular, walk.is_specular);
     }
 
-    /// Takes those that have met plain surfaces (one bit for each) to the vertices there:
-    /// [`Walk::arrive`].
-    pub(super) fn arrive(
+    /// Takes subpaths to the vertices that their rays have met. Those on plain surfaces get there
+    /// together; each other one by `meet`, which returns `None` where the subpath ends.
+    #[inline(always)]
+    pub(super) fn meet<'s>(
         &mut self,
-        together: u32,
+        tracer: &mut Tracer<'s>,
+        max_bounces: u32,
+        weighing: &MisWeights,
+        hits: &HitLanes,
+        met: &mut Met<'s>,
+        mut meet: impl FnMut(usize, &mut Walk, Option<&Hit>, &mut Tracer<'s>) -> Option<Vertex<'s>>,
+    ) {
+        met.plain = 0;
+        for lane in lanes_of(self.common.taken()) {
+            let surfaces = &mut met.vertices.surfaces;
+            if self
+                .common
+                .join(tracer.scene, max_bounces, lane, hits, surfaces)
+            {
+                met.plain |= 1 << lane;
+                continue;
+            }
+            let mut walk = self.get(lane);
+            met.others[lane] = meet(lane, &mut walk, hits[lane].as_ref(), tracer);
+            if met.others[lane].is_some() {
+                met.numbers[lane] = self.common.samplers[lane].bounce(walk.bounce());
+            } else {
+                self.common.end(lane);
+            }
+        }
+        if met.plain != 0 {
+            self.arrive(met.plain, tracer.scene, &mut met.vertices, weighing);
+        }
+    }
+
+    /// [`Walk::arrive`] at plain surfaces.
+    fn arrive(
+        &mut self,
+        plain: u32,
         scene: &Scene,
         vertices: &mut VertexLanes<'_>,
         weighing: &MisWeights,
@@ -131,7 +196,7 @@ impl WalkLanes<'_> {
         vertices.surfaces.complete(&self.common.rays);
         arrive(self, vertices, weighing);
         if weighing.has_others() {
-            for lane in lanes_of(together) {
+            for lane in lanes_of(plain) {
                 if let Some(light) = self.lights[lane].take() {
                     let receiver = vertices.surfaces.receiver(lane);
                     let partial = vertices.partial.get(lane);
@@ -143,10 +208,35 @@ impl WalkLanes<'_> {
         }
     }
 
-    /// Draws directions and leaves the vertices; ends those that go nowhere: [`Walk::scatter`].
+    /// Draws directions and leaves the vertices; ends the subpaths that go nowhere.
     pub(super) fn scatter(
         &mut self,
-        together: u32,
+        met: &mut Met<'_>,
+        directions: &mut Directions,
+        tracer: &mut Tracer<'_>,
+        has_roulette: bool,
+        weighing: &MisWeights,
+    ) {
+        for lane in lanes_of(self.common.taken() & !met.plain) {
+            let Some(vertex) = &met.others[lane] else {
+                continue;
+            };
+            let mut walk = self.at(lane, vertex);
+            if walk.scatter(vertex, tracer, &met.numbers[lane], has_roulette, weighing) {
+                self.set(lane, &walk);
+            } else {
+                self.common.end(lane);
+            }
+        }
+        if met.plain != 0 {
+            self.scatter_plain(met.plain, &met.vertices, directions, has_roulette, weighing);
+        }
+    }
+
+    /// [`Walk::scatter`] at plain surfaces.
+    fn scatter_plain(
+        &mut self,
+        plain: u32,
         vertices: &VertexLanes<'_>,
         directions: &mut Directions,
         has_roulette: bool,
@@ -156,29 +246,67 @@ impl WalkLanes<'_> {
             numbers, samples, ..
         } = directions;
         vertices.surfaces.sample(&numbers.bsdf, self.mode, samples);
-        leave(self, together, vertices, directions, has_roulette, weighing);
-        self.has_receiver |= together;
-        self.comes_from_infinity &= !together;
-        self.is_specular &= !together;
-        for lane in lanes_of(together) {
+        leave(self, plain, vertices, directions, has_roulette, weighing);
+        self.has_receiver |= plain;
+        self.comes_from_infinity &= !plain;
+        self.is_specular &= !plain;
+        for lane in lanes_of(plain) {
             if directions.goes_on.get(lane) == 0 {
                 self.common.end(lane);
             }
         }
     }
+}
 
-    /// Lets the subpath of a lane join those that make their next step together.
+impl<'a> Met<'a> {
+    pub(super) fn new(scene: &'a Scene) -> Self {
+        Self {
+            vertices: VertexLanes::new(scene),
+            plain: 0,
+            others: vec![None; LANES],
+            numbers: [BounceNumbers::default(); LANES],
+        }
+    }
+
+    /// Calls a function with the vertex in a lane, if subpaths can be joined to it.
     #[inline(always)]
-    pub(super) fn join<'s>(
+    pub(super) fn with_vertex(
         &self,
-        scene: &'s Scene,
-        max_bounces: u32,
         lane: usize,
-        hits: &HitLanes,
-        vertices: &mut VertexLanes<'s>,
-    ) -> bool {
-        let surfaces = &mut vertices.surfaces;
-        self.common.join(scene, max_bounces, lane, hits, surfaces)
+        walks: &WalkLanes<'_>,
+        mut call: impl FnMut(&Vertex<'a>),
+    ) {
+        if self.plain >> lane & 1 != 0 {
+            call(&self.vertices.get(lane, walks.n_vertices(lane)));
+        } else if let Some(other) = self.other(lane) {
+            call(other);
+        }
+    }
+
+    /// Where it is.
+    #[inline(always)]
+    pub(super) fn position(&self, lane: usize) -> Option<Vec3> {
+        if self.plain >> lane & 1 != 0 {
+            return Some(self.vertices.surfaces.vertex(lane).point.position);
+        }
+        self.other(lane).map(|other| other.surface.point.position)
+    }
+
+    /// The random numbers of the event in a lane.
+    #[inline(always)]
+    pub(super) fn numbers(&self, lane: usize, walks: &WalkLanes<'_>) -> BounceNumbers {
+        if self.plain >> lane & 1 == 0 {
+            return self.numbers[lane];
+        }
+        let bounce = walks.common.bounces.get(lane);
+        walks.common.samplers[lane].bounce(bounce)
+    }
+
+    /// The vertex in a lane that is not plain, if subpaths can be joined to it.
+    #[inline(always)]
+    pub(super) fn other(&self, lane: usize) -> Option<&Vertex<'a>> {
+        let other = self.others[lane].as_ref();
+        other.filter(|vertex| vertex.surface.bsdf.has_density())
     }
 }
 
@@ -236,14 +364,14 @@ fn arrive_lanes(walks: &WalkLanes<'_>, vertices: &mut VertexLanes<'_>, weighing:
 vectorized! {
     fn leave(
         walks: &mut WalkLanes<'_>,
-        together: u32,
+        plain: u32,
         vertices: &VertexLanes<'_>,
         directions: &mut Directions,
         has_roulette: bool,
         weighing: &MisWeights,
     ) {
         knowing_heuristic!(weighing => {
-            leave_lanes(walks, together, vertices, directions, has_roulette, weighing);
+            leave_lanes(walks, plain, vertices, directions, has_roulette, weighing);
         });
     }
 }
@@ -251,7 +379,7 @@ vectorized! {
 #[inline(always)]
 fn leave_lanes(
     walks: &mut WalkLanes<'_>,
-    together: u32,
+    plain: u32,
     vertices: &VertexLanes<'_>,
     directions: &mut Directions,
     has_roulette: bool,
@@ -263,7 +391,7 @@ fn leave_lanes(
         goes_on,
     } = directions;
     for lane in 0..LANES {
-        let is_together = together >> lane & 1 != 0;
+        let is_plain = plain >> lane & 1 != 0;
         let mut carried = Carried {
             throughput: vertices.throughput.get(lane),
             partial: vertices.partial.get(lane),
@@ -276,9 +404,9 @@ fn leave_lanes(
         let survival = carried.leave(&surface, bounce, &sample, mode, has_roulette, weighing);
         let survives = numbers.roulette.get(lane) < survival;
         goes_on.set(lane, u32::from(samples.is_drawn(lane) & survives));
-        walks.common.go_on(lane, is_together, samples);
-        walks.carried.set_if(is_together, lane, carried);
+        walks.common.go_on(lane, is_plain, samples);
+        walks.carried.set_if(is_plain, lane, carried);
         let receiver = vertices.surfaces.receiver(lane);
-        walks.receivers.set_if(is_together, lane, receiver);
+        walks.receivers.set_if(is_plain, lane, receiver);
     }
 }

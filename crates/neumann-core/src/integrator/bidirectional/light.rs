@@ -1,17 +1,17 @@
 //! Light subpaths: every vertex is aimed at the lens and kept, to be joined to camera subpaths.
 //!
-//! Sixteen walk side by side ([`crate::integrator::lanes`]). A step is made alone
-//! ([`LightEnd::step`]) or with those of other lanes ([`LightEnd::step_together`]).
+//! Sixteen walk side by side ([`crate::integrator::lanes`]); [`LightEnd::trace`] has the order of
+//! their steps.
 
 use glam::{Vec2, Vec3};
 
 use super::connect::{
     contribution, hit_lens, see_light, see_panel_unshadowed, splat, splat_unshadowed,
 };
-use super::lanes::{Directions, VertexLanes, WalkLanes, knowing_heuristic};
+use super::lanes::{Directions, Met, VertexLanes, WalkLanes, knowing_heuristic};
 use super::walk::{Carried, CarriedLanes};
 use super::{Heuristic, MisWeights, Partial, Vertex, Walk};
-use crate::accel::{Hit, HitLanes};
+use crate::accel::HitLanes;
 use crate::bsdf::TransportMode;
 use crate::endpoint::light::PanelLanes;
 use crate::endpoint::{Camera, Spread, Start, StartDensities};
@@ -77,7 +77,7 @@ struct Lights<'s> {
     /// The number that each subpath has.
     numbers: [u32; LANES],
     starts: Starts,
-    vertices: VertexLanes<'s>,
+    met: Met<'s>,
     directions: Directions,
     u_lens: [Lanes<f32>; 2],
     /// What the lens sees of the vertices.
@@ -86,10 +86,10 @@ struct Lights<'s> {
 
 impl LightEnd<'_> {
     /// Traces subpaths, and hands their vertices to `keep`.
-    pub(in crate::integrator) fn trace(
+    pub(in crate::integrator) fn trace<'s>(
         &self,
         mut paths: impl Iterator<Item = LightPath>,
-        tracer: &mut Tracer<'_>,
+        tracer: &mut Tracer<'s>,
         sink: &mut Sink<'_>,
         mut keep: impl FnMut(u32, LightVertex),
     ) {
@@ -97,13 +97,13 @@ impl LightEnd<'_> {
             walks: WalkLanes::new(TransportMode::Importance, sink),
             numbers: [0; LANES],
             starts: Starts::default(),
-            vertices: VertexLanes::new(self.scene),
+            met: Met::new(tracer.scene),
             directions: Directions::default(),
             u_lens: Default::default(),
             seen: Unseen::default(),
         };
         loop {
-            let is_last = self.start_all(&mut paths, &mut lights, tracer, sink);
+            let is_last = self.start(&mut paths, &mut lights, tracer, sink);
             let taken = lights.walks.common.taken();
             if taken == 0 {
                 if is_last {
@@ -111,31 +111,18 @@ impl LightEnd<'_> {
                 }
                 continue;
             }
-            // What do they meet? Some go on from there together, the others each by itself.
             let hits = tracer.hits(&lights.walks.common.rays);
-            let mut together = 0;
-            for lane in lanes_of(taken) {
-                let vertices = &mut lights.vertices;
-                let walks = &mut lights.walks;
-                if walks.join(self.scene, self.max_bounces, lane, &hits, vertices) {
-                    together |= 1 << lane;
-                    continue;
-                }
-                let (number, mut walk) = (lights.numbers[lane], walks.get(lane));
-                let sampler = &walks.common.samplers[lane];
-                let found = hits[lane].as_ref();
-                let goes_on = self.step(&mut walk, found, tracer, sampler, sink, |vertex| {
-                    keep(number, vertex);
-                });
-                if goes_on {
-                    walks.set(lane, &walk);
-                } else {
-                    walks.common.end(lane);
-                }
-            }
-            if together != 0 {
-                self.step_together(&mut lights, together, &hits, tracer, sink, &mut keep);
-            }
+            self.meet_lens(&lights.walks, &hits, tracer, sink);
+            self.meet(&mut lights, &hits, tracer);
+            self.keep(&mut lights, &mut keep);
+            self.aim(&mut lights, tracer, sink);
+            let Lights {
+                walks,
+                met,
+                directions,
+                ..
+            } = &mut lights;
+            walks.scatter(met, directions, tracer, self.has_roulette, &self.weighing);
             // Those that could be joined to nothing any more end before they meet it.
             for lane in lanes_of(lights.walks.common.taken()) {
                 if lights.walks.common.bounces.get(lane) >= self.most_bounces() {
@@ -158,85 +145,65 @@ impl LightEnd<'_> {
         self.to_lens == ToLens::AimedOrMet && self.camera.has_lens()
     }
 
-    /// A light starts a subpath; `None` if it goes nowhere. The lens may see where it starts.
-    fn start(
+    /// t = 0: adds what subpaths bring that run into a lens of finite size before they meet
+    /// anything else.
+    fn meet_lens(
         &self,
-        tracer: &mut Tracer<'_>,
-        u: &StartNumbers,
-        sink: &mut Sink<'_>,
-    ) -> Option<Walk> {
-        let start = self.scene.lights().start(&start_sample(u))?;
-        let walk = Walk::from_light(&start, tracer, &self.weighing);
-        if self.to_lens == ToLens::Aimed {
-            let (camera, n) = (self.camera, self.n_paths);
-            let seen = see_light(tracer, camera, &start, walk.media, u.lens, n);
-            if let Some((raster, seen)) = seen {
-                sink.splat(raster, seen);
-            }
-        }
-        (self.most_bounces() > 0).then_some(walk)
-    }
-
-    /// One step of a subpath, from what it meets on to the next ray; false where it ends. Vertices
-    /// that can be joined are handed to `keep`.
-    fn step(
-        &self,
-        walk: &mut Walk,
-        found: Option<&Hit>,
-        tracer: &mut Tracer<'_>,
-        sampler: &Sampler<'_>,
-        sink: &mut Sink<'_>,
-        keep: impl FnOnce(LightVertex),
-    ) -> bool {
-        // t = 0: the lens, where the subpath runs into it.
-        self.meet_lens(walk, found, tracer, sink);
-        let Some(vertex) = walk.arrive(found, tracer, &self.weighing) else {
-            return false;
-        };
-        if walk.bounce() == self.max_bounces {
-            return false;
-        }
-        let u = sampler.bounce(walk.bounce());
-        if vertex.surface.bsdf.has_density() {
-            keep(LightVertex::of(&vertex));
-            // t = 1: the lens aimed at.
-            if self.aims_at_lens() {
-                let (camera, n, weighing) = (self.camera, self.n_paths, &self.weighing);
-                if let Some((raster, seen)) = splat(tracer, camera, &vertex, u.lens, n, weighing) {
-                    sink.splat(raster, seen);
-                }
-            }
-        }
-        walk.scatter(&vertex, tracer, &u, self.has_roulette, &self.weighing)
-    }
-
-    /// The same step of the subpaths in all lanes that have met plain surfaces.
-    fn step_together(
-        &self,
-        lights: &mut Lights<'_>,
-        together: u32,
+        walks: &WalkLanes<'_>,
         hits: &HitLanes,
         tracer: &mut Tracer<'_>,
         sink: &mut Sink<'_>,
-        keep: &mut impl FnMut(u32, LightVertex),
     ) {
+        if !self.meets_lens() {
+            return;
+        }
+        let (camera, n, weighing) = (self.camera, self.n_paths, &self.weighing);
+        for lane in lanes_of(walks.common.taken()) {
+            let (walk, found) = (walks.get(lane), hits[lane].as_ref());
+            if let Some((raster, seen)) = hit_lens(tracer, camera, &walk, found, n, weighing) {
+                sink.splat(raster, seen);
+            }
+        }
+    }
+
+    /// Takes all subpaths to what they have met.
+    fn meet<'s>(&self, lights: &mut Lights<'s>, hits: &HitLanes, tracer: &mut Tracer<'s>) {
+        let (max_bounces, weighing) = (self.max_bounces, &self.weighing);
+        let Lights { walks, met, .. } = lights;
+        walks.meet(
+            tracer,
+            max_bounces,
+            weighing,
+            hits,
+            met,
+            |_, walk, found, tracer| {
+                let vertex = walk.arrive(found, tracer, weighing)?;
+                if walk.bounce() >= max_bounces {
+                    return None;
+                }
+                Some(vertex)
+            },
+        );
+    }
+
+    /// Hands the vertices that can be joined to `keep`.
+    fn keep(&self, lights: &mut Lights<'_>, keep: &mut impl FnMut(u32, LightVertex)) {
         let Lights {
             walks,
             numbers,
-            vertices,
+            met,
             directions,
             u_lens,
-            seen,
             ..
         } = lights;
-        if self.meets_lens() {
-            for lane in lanes_of(together) {
-                self.meet_lens(&walks.get(lane), hits[lane].as_ref(), tracer, sink);
+        for lane in lanes_of(walks.common.taken()) {
+            if met.plain >> lane & 1 == 0 {
+                if let Some(other) = met.other(lane) {
+                    keep(numbers[lane], LightVertex::of(other));
+                }
+                continue;
             }
-        }
-        walks.arrive(together, self.scene, vertices, &self.weighing);
-        for lane in lanes_of(together) {
-            let vertex = vertices.get(lane, walks.n_vertices(lane));
+            let vertex = met.vertices.get(lane, walks.n_vertices(lane));
             keep(numbers[lane], LightVertex::of(&vertex));
             let common = &walks.common;
             let u = common.samplers[lane].bounce(common.bounces.get(lane));
@@ -245,40 +212,44 @@ impl LightEnd<'_> {
                 lanes.set(lane, u);
             }
         }
-        if self.aims_at_lens() {
-            see(vertices, u_lens, seen, self.camera, &self.weighing);
-            for seen in seen.see(together, tracer) {
-                let strategy = Strategy::connect(walks.n_vertices(seen.lane), 1);
-                let value = seen.value / self.n_paths as f32;
-                sink.splat(seen.raster, contribution(value, seen.mis_weight, strategy));
-            }
-        }
-        let has_roulette = self.has_roulette;
-        walks.scatter(together, vertices, directions, has_roulette, &self.weighing);
     }
 
-    /// t = 0: adds what a subpath brings that runs into a lens of finite size before it meets
-    /// anything else.
-    #[inline]
-    fn meet_lens(
-        &self,
-        walk: &Walk,
-        found: Option<&Hit>,
-        tracer: &mut Tracer<'_>,
-        sink: &mut Sink<'_>,
-    ) {
-        if self.meets_lens() {
-            let (camera, weighing) = (self.camera, &self.weighing);
-            let found = hit_lens(tracer, camera, walk, found, self.n_paths, weighing);
-            if let Some((raster, seen)) = found {
+    /// t = 1: aims at the lens.
+    fn aim(&self, lights: &mut Lights<'_>, tracer: &mut Tracer<'_>, sink: &mut Sink<'_>) {
+        if !self.aims_at_lens() {
+            return;
+        }
+        let Lights {
+            walks,
+            met,
+            u_lens,
+            seen,
+            ..
+        } = lights;
+        let (camera, n, weighing) = (self.camera, self.n_paths, &self.weighing);
+        for lane in lanes_of(walks.common.taken() & !met.plain) {
+            let Some(vertex) = met.other(lane) else {
+                continue;
+            };
+            let u = met.numbers(lane, walks);
+            if let Some((raster, seen)) = splat(tracer, camera, vertex, u.lens, n, weighing) {
                 sink.splat(raster, seen);
             }
         }
+        if met.plain == 0 {
+            return;
+        }
+        see(&met.vertices, u_lens, seen, camera, weighing);
+        for seen in seen.see(met.plain, tracer) {
+            let strategy = Strategy::connect(walks.n_vertices(seen.lane), 1);
+            let value = seen.value / n as f32;
+            sink.splat(seen.raster, contribution(value, seen.mis_weight, strategy));
+        }
     }
 
-    /// Puts the next subpath into each lane that has none; true if there are no more. Those of
-    /// plain triangles start together.
-    fn start_all(
+    /// Puts the next subpath into each lane that has none; true if there are no more. The lens may
+    /// see where they start.
+    fn start(
         &self,
         paths: &mut impl Iterator<Item = LightPath>,
         lights: &mut Lights<'_>,
@@ -291,66 +262,57 @@ impl LightEnd<'_> {
             starts,
             ..
         } = lights;
-        let (mut together, mut is_last) = (0, false);
+        let (camera, n, weighing) = (self.camera, self.n_paths, &self.weighing);
+        let (mut plain, mut is_last) = (0, false);
+        starts.others.clear();
         for lane in lanes_of(walks.common.free()) {
-            let Some(LightPath {
-                path,
-                number,
-                sampler,
-            }) = paths.next()
-            else {
+            let Some(next) = paths.next() else {
                 is_last = true;
                 break;
             };
-            numbers[lane] = number;
-            tracer.next_light_path(path);
-            let u = sampler.start();
+            numbers[lane] = next.number;
+            tracer.next_light_path(next.path);
+            let u = next.sampler.start();
+            walks.common.samplers[lane] = next.sampler;
             if walks.common.may_join() && starts.choose(self.scene, lane, &u) {
-                together |= 1 << lane;
-            } else if let Some(walk) = self.start(tracer, &u, sink) {
-                walks.set(lane, &walk);
+                plain |= 1 << lane;
+            } else if let Some(start) = self.scene.lights().start(&start_sample(&u)) {
+                let walk = Walk::from_light(&start, tracer, weighing);
+                let u_lens = u.lens;
+                starts.others.push(OtherStart {
+                    lane,
+                    start,
+                    walk,
+                    u_lens,
+                });
             }
-            walks.common.samplers[lane] = sampler;
         }
-        if together != 0 {
-            self.start_together(walks, starts, together, tracer, sink);
-        }
-        is_last
-    }
-
-    /// Starts the subpaths of the lanes that have been chosen for: [`Self::start`].
-    fn start_together(
-        &self,
-        walks: &mut WalkLanes<'_>,
-        starts: &mut Starts,
-        together: u32,
-        tracer: &mut Tracer<'_>,
-        sink: &mut Sink<'_>,
-    ) {
-        start(starts, self.camera, &self.weighing);
-        let mut started = 0;
-        for lane in lanes_of(together) {
-            started |= starts.is_started.get(lane) << lane;
-        }
+        let plain = starts.complete(plain, camera, weighing);
+        // t = 1 at the light itself.
         if self.to_lens == ToLens::Aimed {
-            for seen in starts.seen.see(started, tracer) {
-                let value = seen.value / self.n_paths as f32;
+            for other in &starts.others {
+                let (media, u) = (other.walk.media, other.u_lens);
+                let seen = see_light(tracer, camera, &other.start, media, u, n);
+                if let Some((raster, seen)) = seen {
+                    sink.splat(raster, seen);
+                }
+            }
+            for seen in starts.seen.see(plain, tracer) {
+                let value = seen.value / n as f32;
                 let strategy = Strategy::connect(1, 1);
                 sink.splat(seen.raster, contribution(value, 1.0, strategy));
             }
         }
-        if self.most_bounces() == 0 {
-            return;
+        // On their way.
+        if self.most_bounces() > 0 {
+            for OtherStart { lane, walk, .. } in &starts.others {
+                walks.set(*lane, walk);
+            }
+            for lane in lanes_of(plain) {
+                walks.set(lane, &starts.walk(lane));
+            }
         }
-        for lane in lanes_of(started) {
-            let ray = Ray::new(starts.origin.get(lane), starts.direction.get(lane))
-                .leaving(starts.leaves.get(lane));
-            let carried = starts.carried.get(lane);
-            walks.set(
-                lane,
-                &Walk::leaving_light(ray, carried, starts.lights[lane]),
-            );
-        }
+        is_last
     }
 }
 
@@ -431,9 +393,10 @@ fn see_lanes(
     }
 }
 
-/// Subpaths that start together from plain triangles.
+/// Subpaths that start: side by side from plain triangles, each other one by itself.
 #[derive(Default)]
 struct Starts {
+    others: Vec<OtherStart>,
     panels: PanelLanes,
     u_direction: [Lanes<f32>; 2],
     u_lens: [Lanes<f32>; 2],
@@ -447,7 +410,33 @@ struct Starts {
     seen: Unseen,
 }
 
+/// The start of a lane's subpath by itself.
+struct OtherStart {
+    lane: usize,
+    start: Start,
+    walk: Walk,
+    u_lens: [f32; 2],
+}
+
 impl Starts {
+    /// Starts those that were chosen for (one bit for each lane), and returns those that go
+    /// anywhere.
+    fn complete(&mut self, chosen: u32, camera: &Camera, weighing: &MisWeights) -> u32 {
+        if chosen == 0 {
+            return 0;
+        }
+        start(self, camera, weighing);
+        lanes_of(chosen).fold(0, |all, lane| all | self.is_started.get(lane) << lane)
+    }
+
+    /// The subpath of a lane, on its way from a plain triangle.
+    #[inline(always)]
+    fn walk(&self, lane: usize) -> Walk {
+        let ray = Ray::new(self.origin.get(lane), self.direction.get(lane))
+            .leaving(self.leaves.get(lane));
+        Walk::leaving_light(ray, self.carried.get(lane), self.lights[lane])
+    }
+
     /// Chooses the light of a lane's subpath; false if it is no plain triangle, or may be within a
     /// body.
     fn choose(&mut self, scene: &Scene, lane: usize, u: &StartNumbers) -> bool {

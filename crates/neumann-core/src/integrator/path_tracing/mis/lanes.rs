@@ -1,31 +1,30 @@
 //! Sixteen camera paths side by side ([`crate::integrator::lanes`]).
 //!
-//! Those that meet a plain diffuse surface and aim at a plain triangle make their step together,
-//! the others each by itself ([`PathTracer::step`]).
+//! Those that meet a plain diffuse surface and aim at a plain triangle make their step in vectors,
+//! the others each by itself. [`Step::scatter`] has the order of a step.
 
-use crate::accel::{Hit, HitLanes};
 use crate::endpoint::light::PanelLanes;
 use crate::endpoint::{Camera, SurfacePoint};
+use crate::film::Contribution;
 use crate::integrator::lanes::{DirectionNumbers, PathLanes, Unseen};
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
 use crate::pass::{PixelPath, PixelPlace, PixelSink, Pixels, Splits};
-use crate::sampling::Sampler;
-use crate::scene::SpecularCaster;
-use crate::transport::Tracer;
+use crate::sampling::{BounceNumbers, Sampler};
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
-use crate::transport::reflection::Aimed;
-use crate::transport::specular_casters::ConeLanes;
+use crate::transport::reflection::{Aimed, aim_at_light, light_sample};
+use crate::transport::specular_casters::{ConeLanes, Cones};
+use crate::transport::{SurfaceVertex, Tracer, VertexSample};
 
-use super::walk::{Carried, CarriedLanes, Path, PathTracer};
+use super::walk::{Carried, CarriedLanes, N_SPLITS, Path, PathTracer};
 use crate::integrator::path_tracing::bsdf::MODE;
 use crate::integrator::path_tracing::connect;
 
 /// Traces the paths of all pixels.
-pub(super) fn trace(
-    walk: &PathTracer<'_>,
+pub(super) fn trace<'a>(
+    walk: &PathTracer<'a>,
     camera: &Camera,
     mut pixels: Pixels<'_>,
-    tracer: &mut Tracer<'_>,
+    tracer: &mut Tracer<'a>,
     sink: &mut PixelSink<'_>,
 ) {
     let mut paths = Paths::new(sink);
@@ -42,26 +41,14 @@ pub(super) fn trace(
                 None => break,
             }
         }
-        let taken = paths.common.taken();
-        if taken == 0 {
+        if paths.common.taken() == 0 {
             return;
         }
-        // What do the rays meet? Some go on from there together, the others each by itself.
-        let hits = tracer.hits(&paths.common.rays);
-        let mut together = 0;
-        for lane in lanes_of(taken) {
-            let (scene, max_bounces) = (walk.scene, walk.max_bounces);
-            let vertices = &mut step.vertices;
-            let may_split = walk.splits && paths.common.bounces.get(lane) == 0;
-            if !may_split && paths.common.join(scene, max_bounces, lane, &hits, vertices) {
-                together |= 1 << lane;
-            } else {
-                paths.step(walk, lane, hits[lane].as_ref(), tracer, sink);
-            }
+        let met = step.meet(walk, &mut paths, tracer, sink);
+        if walk.splits {
+            step.split(walk, met, &mut paths, tracer, sink);
         }
-        if together != 0 {
-            step.take(walk, together, &mut paths, &hits, tracer, sink);
-        }
+        step.scatter(walk, met, &mut paths, tracer, sink);
     }
 }
 
@@ -117,42 +104,6 @@ impl<'t> Paths<'t> {
         self.set(lane, &split.path);
     }
 
-    /// A step of one path by itself.
-    #[inline(never)]
-    fn step(
-        &mut self,
-        walk: &PathTracer<'_>,
-        lane: usize,
-        found: Option<&Hit>,
-        tracer: &mut Tracer<'_>,
-        sink: &mut PixelSink<'_>,
-    ) {
-        let place = self.places[lane];
-        sink.start_pixel(place);
-        let path = self.get(lane);
-        let others = self.splits[lane].into_iter().flat_map(Splits::others);
-        let (sampler, split_off) = (&self.common.samplers[lane], &mut self.split_off);
-        let next = walk.step(
-            path,
-            found,
-            tracer,
-            sampler,
-            others,
-            sink,
-            |path, sampler| {
-                split_off.push(Split {
-                    path,
-                    sampler,
-                    place,
-                });
-            },
-        );
-        match next {
-            Some(path) => self.set(lane, &path),
-            None => self.common.end(lane),
-        }
-    }
-
     fn get(&self, lane: usize) -> Path {
         Path {
             ray: self.common.rays.get(lane),
@@ -168,10 +119,23 @@ impl<'t> Paths<'t> {
     }
 }
 
-/// A step of all paths that make it together.
+/// A step of all paths, from vertex to vertex.
 struct Step<'a> {
+    /// Plain vertices,
     vertices: DiffuseVertices<'a>,
+    /// the lanes that have them (one bit for each),
+    plain: u32,
+    /// and the vertices of other lanes.
+    others: [Option<Other<'a>>; LANES],
     events: StepLanes,
+}
+
+/// A vertex that makes its step by itself.
+struct Other<'a> {
+    vertex: SurfaceVertex<'a>,
+    u: BounceNumbers,
+    cones: Option<Cones>,
+    sample: Option<VertexSample>,
 }
 
 /// What is drawn at the vertices, and what comes of it.
@@ -194,78 +158,288 @@ impl<'a> Step<'a> {
     fn new(walk: &PathTracer<'a>) -> Self {
         Self {
             vertices: DiffuseVertices::new(walk.scene),
+            plain: 0,
+            others: [const { None }; LANES],
             events: StepLanes::default(),
         }
     }
 
-    /// Takes the step in some lanes (one bit for each).
-    fn take(
+    /// What do the rays meet? Adds the light that they run into, and returns the lanes of which the
+    /// paths go on from a vertex.
+    fn meet(
         &mut self,
         walk: &PathTracer<'a>,
-        mut together: u32,
         paths: &mut Paths<'_>,
-        hits: &HitLanes,
-        tracer: &mut Tracer<'_>,
+        tracer: &mut Tracer<'a>,
+        sink: &mut PixelSink<'_>,
+    ) -> u32 {
+        let hits = tracer.hits(&paths.common.rays);
+        self.plain = 0;
+        let taken = paths.common.taken();
+        for lane in lanes_of(taken) {
+            let vertices = &mut self.vertices;
+            if paths
+                .common
+                .join(walk.scene, walk.max_bounces, lane, &hits, vertices)
+            {
+                self.plain |= 1 << lane;
+                continue;
+            }
+            sink.start_pixel(paths.places[lane]);
+            let mut path = paths.get(lane);
+            match walk.meet(&mut path, hits[lane].as_ref(), tracer, sink) {
+                Some(vertex) => {
+                    paths.set(lane, &path);
+                    self.others[lane] = Some(Other::at(vertex));
+                }
+                None => paths.common.end(lane),
+            }
+        }
+        if self.plain != 0 {
+            self.vertices.complete(&paths.common.rays);
+        }
+        paths.common.taken()
+    }
+
+    /// Lets paths split at their first vertex. All but one of each wait for a lane.
+    fn split(
+        &mut self,
+        walk: &PathTracer<'a>,
+        met: u32,
+        paths: &mut Paths<'_>,
+        tracer: &mut Tracer<'a>,
         sink: &mut PixelSink<'_>,
     ) {
-        let Self { vertices, events } = self;
-        vertices.complete(&paths.common.rays);
+        let mut firsts = 0;
+        for lane in lanes_of(met) {
+            let is_plain = self.plain >> lane & 1 != 0;
+            let has_density = |other: &Other<'_>| other.vertex.bsdf.has_density();
+            let has_density = is_plain || self.others[lane].as_ref().is_some_and(has_density);
+            if has_density && paths.common.bounces.get(lane) == 0 {
+                firsts |= 1 << lane;
+                let mut carried = paths.carried.get(lane);
+                carried.throughput *= 1.0 / f32::from(N_SPLITS);
+                paths.carried.set(lane, carried);
+                tracer.splits(u32::from(N_SPLITS));
+            }
+        }
+        for split in 1..usize::from(N_SPLITS) {
+            let (common, carried) = (paths.common.clone(), paths.carried);
+            for lane in lanes_of(firsts) {
+                if let Some(splits) = &paths.splits[lane] {
+                    paths.common.samplers[lane] = splits.sampler(split);
+                }
+            }
+            self.scatter(walk, firsts, paths, tracer, sink);
+            for lane in lanes_of(firsts & paths.common.taken()) {
+                paths.split_off.push(Split {
+                    path: paths.get(lane),
+                    sampler: paths.common.samplers[lane].clone(),
+                    place: paths.places[lane],
+                });
+            }
+            (paths.common, paths.carried) = (common, carried);
+        }
+    }
 
-        // All that is drawn, and which light to aim at.
+    /// Aims at lights from the vertices of some lanes (one bit for each), and takes the paths on to
+    /// the next rays.
+    fn scatter(
+        &mut self,
+        walk: &PathTracer<'a>,
+        lanes: u32,
+        paths: &mut Paths<'_>,
+        tracer: &mut Tracer<'a>,
+        sink: &mut PixelSink<'_>,
+    ) {
+        let plain = self.draw_numbers(walk, lanes & self.plain, lanes, paths);
+        let lanes = (plain, lanes & !plain);
+        self.draw(walk, lanes);
+        self.aim(walk, lanes, paths, tracer, sink);
+        self.leave(walk, lanes, paths, tracer);
+    }
+
+    /// Draws all numbers, and chooses the lights to aim at: returns the lanes that aim at plain
+    /// triangles from plain vertices.
+    fn draw_numbers(
+        &mut self,
+        walk: &PathTracer<'a>,
+        mut plain: u32,
+        lanes: u32,
+        paths: &Paths<'_>,
+    ) -> u32 {
+        let Self {
+            vertices,
+            others,
+            events,
+            ..
+        } = self;
         let lights = walk.scene.lights();
-        for lane in lanes_of(together) {
-            let common = &paths.common;
-            let u = common.samplers[lane].bounce(common.bounces.get(lane));
-            events.numbers.set(lane, &u);
-            let receiver = vertices.receiver(lane);
-            let Some(chosen) = lights.choose(&receiver, walk.choice, u.light) else {
-                events.panels.clear(lane);
+        for lane in lanes_of(lanes) {
+            let u = paths.common.samplers[lane].bounce(paths.common.bounces.get(lane));
+            if plain >> lane & 1 != 0 {
+                let receiver = vertices.receiver(lane);
+                match lights.choose(&receiver, walk.choice, u.light) {
+                    None => events.panels.clear(lane),
+                    Some(chosen) => match lights.as_uniform(chosen.light) {
+                        Some(panel) => {
+                            events
+                                .panels
+                                .set(lane, &panel, chosen.pmf, u.point_on_light);
+                        }
+                        None => {
+                            plain &= !(1 << lane);
+                            others[lane] = Some(Other::at(vertices.vertex(lane)));
+                        }
+                    },
+                }
+                events.numbers.set(lane, &u);
+            }
+            if let Some(other) = &mut others[lane] {
+                other.u = u;
+            }
+        }
+        plain
+    }
+
+    /// Draws directions from the BSDFs, or towards mirrors and glass.
+    fn draw(&mut self, walk: &PathTracer<'a>, (plain, others): (u32, u32)) {
+        let Self {
+            vertices, events, ..
+        } = self;
+        if plain != 0 {
+            let has_casters = !walk.specular_casters.is_empty();
+            if has_casters {
+                events.cones.see(walk.specular_casters, vertices);
+                events.cones.choose(&mut events.numbers.bsdf);
+            }
+            vertices.sample(&events.numbers.bsdf, MODE, &mut events.samples);
+            if has_casters {
+                events.sample_cones(vertices);
+            }
+        }
+        for lane in lanes_of(others) {
+            let Some(other) = &mut self.others[lane] else {
                 continue;
             };
-            match lights.as_uniform(chosen.light) {
-                Some(panel) => {
-                    let point = u.point_on_light;
-                    events.panels.set(lane, &panel, chosen.pmf, point);
-                }
-                None => {
-                    paths.step(walk, lane, hits[lane].as_ref(), tracer, sink);
-                    together &= !(1 << lane);
+            other.draw(walk);
+        }
+    }
+
+    /// The next events.
+    fn aim(
+        &mut self,
+        walk: &PathTracer<'a>,
+        (plain, others): (u32, u32),
+        paths: &Paths<'_>,
+        tracer: &mut Tracer<'a>,
+        sink: &mut PixelSink<'_>,
+    ) {
+        if plain != 0 {
+            let events = &mut self.events;
+            aim(&self.vertices, events, paths);
+            if !walk.specular_casters.is_empty() {
+                events.weigh_beside_cones();
+            }
+            for seen in events.light.see(plain, tracer) {
+                let bounce = paths.common.bounces.get(seen.lane) + 1;
+                sink.start_pixel(paths.places[seen.lane]);
+                sink.add(connect(bounce, seen.value, seen.mis_weight));
+            }
+        }
+        for lane in lanes_of(others) {
+            if let Some(other) = &self.others[lane]
+                && let Some(found) = other.aim(walk, &paths.get(lane), tracer)
+            {
+                sink.start_pixel(paths.places[lane]);
+                sink.add(found);
+            }
+        }
+    }
+
+    /// On to the next rays.
+    fn leave(
+        &mut self,
+        walk: &PathTracer<'a>,
+        (plain, others): (u32, u32),
+        paths: &mut Paths<'_>,
+        tracer: &mut Tracer<'a>,
+    ) {
+        if plain != 0 {
+            leave(&self.vertices, &mut self.events, paths, plain, walk);
+            for lane in lanes_of(plain) {
+                if self.events.goes_on.get(lane) == 0 {
+                    paths.common.end(lane);
                 }
             }
         }
-
-        // Is the light seen?
-        aim(vertices, events, paths);
-        if !walk.specular_casters.is_empty() {
-            events.weigh_beside_cones(walk.specular_casters, vertices);
-        }
-        for seen in events.light.see(together, tracer) {
-            let bounce = paths.common.bounces.get(seen.lane) + 1;
-            sink.start_pixel(paths.places[seen.lane]);
-            sink.add(connect(bounce, seen.value, seen.mis_weight));
-        }
-
-        // On to the next vertices.
-        if !walk.specular_casters.is_empty() {
-            events.cones.choose(&mut events.numbers.bsdf);
-        }
-        vertices.sample(&events.numbers.bsdf, MODE, &mut events.samples);
-        if !walk.specular_casters.is_empty() {
-            events.sample_cones(vertices);
-        }
-        leave(vertices, events, paths, together, walk);
-        for lane in lanes_of(together) {
-            if events.goes_on.get(lane) == 0 {
-                paths.common.end(lane);
+        for lane in lanes_of(others) {
+            let other = self.others[lane].as_ref();
+            match other.and_then(|other| other.leave(walk, paths.get(lane), tracer)) {
+                Some(path) => paths.set(lane, &path),
+                None => paths.common.end(lane),
             }
         }
     }
 }
 
+impl<'a> Other<'a> {
+    fn at(vertex: SurfaceVertex<'a>) -> Self {
+        Self {
+            vertex,
+            u: BounceNumbers::default(),
+            cones: None,
+            sample: None,
+        }
+    }
+
+    /// Draws a direction from the BSDF, or towards a mirror or glass.
+    fn draw(&mut self, walk: &PathTracer<'_>) {
+        let (vertex, u) = (&self.vertex, self.u.bsdf());
+        self.cones = Cones::seen_from(vertex, walk.specular_casters);
+        self.sample = match &self.cones {
+            Some(cones) => cones.sample(vertex, u, MODE),
+            None => vertex.sample(u, MODE),
+        };
+    }
+
+    /// The next event, aimed at, against running into it.
+    fn aim(
+        &self,
+        walk: &PathTracer<'_>,
+        path: &Path,
+        tracer: &mut Tracer<'_>,
+    ) -> Option<Contribution> {
+        if !self.vertex.bsdf.has_density() {
+            return None;
+        }
+        let u = light_sample(&self.u);
+        let aimed = aim_at_light(tracer, &self.vertex, path.media, walk.choice, &u)?;
+        let value = path.carried.throughput * aimed.value;
+        let aimed = self.cones.map_or(aimed, |cones| cones.beside(aimed));
+        Some(connect(path.bounce + 1, value, aimed.mis_weight()))
+    }
+
+    /// Goes on along the direction that was drawn; `None` where the path ends.
+    fn leave(
+        &self,
+        walk: &PathTracer<'_>,
+        mut path: Path,
+        tracer: &mut Tracer<'_>,
+    ) -> Option<Path> {
+        let (vertex, sample) = (&self.vertex, self.sample.as_ref()?);
+        let survival = walk.leave(&mut path.carried, vertex, sample);
+        tracer.leaves(vertex, sample, MODE, survival);
+        path.media = vertex.media_towards(sample.wi, path.media);
+        path.ray = vertex.ray(sample.wi);
+        path.bounce += 1;
+        (self.u.roulette < survival).then_some(path)
+    }
+}
+
 impl StepLanes {
     /// MIS weights where some directions are drawn towards specular casters.
-    fn weigh_beside_cones(&mut self, casters: &[SpecularCaster], vertices: &DiffuseVertices<'_>) {
-        self.cones.see(casters, vertices);
+    fn weigh_beside_cones(&mut self) {
         let weights = self.light.mis_weights();
         self.cones
             .weigh(&self.wi, &self.pdf_w_light, &self.pdf_w_bsdf, weights);

@@ -8,8 +8,7 @@
 //! error is in what of the sky is seen from there. Long paths end by Russian roulette on their
 //! throughput.
 //!
-//! `PathTracer::step` is the method. `lanes` takes sixteen paths through it side by side, which
-//! changes no bit.
+//! `lanes` has the order of a step, for sixteen paths side by side.
 
 mod lanes;
 mod walk;
@@ -101,7 +100,7 @@ impl PixelIntegrator for Mis {
         tracer: &mut Tracer<'_>,
         sink: &mut PixelSink<'_>,
     ) {
-        let scene = shot.scene;
+        let scene = tracer.scene;
         let walk = PathTracer {
             scene,
             max_bounces: shot.max_bounces,

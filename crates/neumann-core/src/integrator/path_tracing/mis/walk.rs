@@ -1,18 +1,16 @@
-//! A path, step by step.
+//! A path by itself: what it carries, and what it runs into.
 
 use crate::accel::Hit;
 use crate::endpoint::LightChoice;
-use crate::integrator::path_tracing::bsdf::MODE;
-use crate::integrator::path_tracing::{add_unlit, connect, hit};
+use crate::integrator::path_tracing::{add_unlit, hit};
 use crate::math::Ray;
 use crate::math::lanes::side_by_side;
 use crate::pass::PixelSink;
 use crate::radiometry::Rgb;
-use crate::sampling::{Sampler, roulette};
+use crate::sampling::roulette;
 use crate::scene::bodies::Media;
 use crate::scene::{Scene, SpecularCaster};
-use crate::transport::reflection::{Drawn, aim_at_light, light_sample};
-use crate::transport::specular_casters::Cones;
+use crate::transport::reflection::Drawn;
 use crate::transport::{SurfaceVertex, Tracer, VertexSample};
 
 /// How paths walk.
@@ -79,42 +77,15 @@ impl PathTracer<'_> {
         lights.as_slice().len() == 1 && sky.is_some_and(|radiance| !radiance.is_black())
     }
 
-    /// One step of a path, from what its ray has met on to the next ray; `None` where it ends.
-    /// Others that it splits into, with their random numbers, are handed to `split_off`.
-    #[allow(clippy::too_many_arguments, reason = "a path with all its ends")]
-    #[inline(always)]
-    pub(super) fn step<'t>(
-        &self,
-        path: Path,
-        found: Option<&Hit>,
-        tracer: &mut Tracer<'_>,
-        sampler: &Sampler<'_>,
-        others: impl Iterator<Item = Sampler<'t>>,
-        sink: &mut PixelSink<'_>,
-        mut split_off: impl FnMut(Path, Sampler<'t>),
-    ) -> Option<Path> {
-        let (mut path, vertex) = self.meet(path, found, tracer, sink)?;
-        if self.splits && path.bounce == 0 && vertex.bsdf.has_density() {
-            path.carried.throughput *= 1.0 / f32::from(N_SPLITS);
-            tracer.splits(u32::from(N_SPLITS));
-            for sampler in others {
-                if let Some(next) = self.scatter(path, &vertex, tracer, &sampler, sink) {
-                    split_off(next, sampler);
-                }
-            }
-        }
-        self.scatter(path, &vertex, tracer, sampler, sink)
-    }
-
     /// Light that a path runs into, and the vertex that it goes on from, if it does.
     #[inline(always)]
-    fn meet<'s>(
+    pub(super) fn meet<'s>(
         &self,
-        mut path: Path,
+        path: &mut Path,
         found: Option<&Hit>,
         tracer: &mut Tracer<'s>,
         sink: &mut PixelSink<'_>,
-    ) -> Option<(Path, SurfaceVertex<'s>)> {
+    ) -> Option<SurfaceVertex<'s>> {
         let bounce = path.bounce;
         // What does the ray meet? Nothing: the environment emits.
         let ray = path.ray;
@@ -139,49 +110,7 @@ impl PathTracer<'_> {
             let weight = carried.drawn.mis_weight(tracer, self.choice, &vertex);
             sink.add(hit(bounce, carried.throughput * emitted, weight));
         }
-        (bounce < self.max_bounces).then_some((path, vertex))
-    }
-
-    /// Aims at a light from a vertex, and goes on to the next ray; `None` where the path ends.
-    fn scatter(
-        &self,
-        mut path: Path,
-        vertex: &SurfaceVertex<'_>,
-        tracer: &mut Tracer<'_>,
-        sampler: &Sampler<'_>,
-        sink: &mut PixelSink<'_>,
-    ) -> Option<Path> {
-        let (bounce, media) = (path.bounce, path.media);
-        let u = sampler.bounce(bounce);
-
-        // Draw a direction from the BSDF, or towards a mirror or glass.
-        let cones = Cones::seen_from(vertex, self.specular_casters);
-        let sample = match &cones {
-            Some(cones) => cones.sample(vertex, u.bsdf(), MODE),
-            None => vertex.sample(u.bsdf(), MODE),
-        };
-
-        // The next event, aimed at, against running into it.
-        if vertex.bsdf.has_density() {
-            let light = light_sample(&u);
-            if let Some(aimed) = aim_at_light(tracer, vertex, media, self.choice, &light) {
-                let value = path.carried.throughput * aimed.value;
-                let aimed = cones.map_or(aimed, |cones| cones.beside(aimed));
-                sink.add(connect(bounce + 1, value, aimed.mis_weight()));
-            }
-        }
-
-        // On to the next vertex.
-        let sample = sample?;
-        let survival = self.leave(&mut path.carried, vertex, &sample);
-        tracer.leaves(vertex, &sample, MODE, survival);
-        if u.roulette >= survival {
-            return None;
-        }
-        path.media = vertex.media_towards(sample.wi, media);
-        path.ray = vertex.ray(sample.wi);
-        path.bounce += 1;
-        Some(path)
+        (bounce < self.max_bounces).then_some(vertex)
     }
 
     /// Takes a direction that was drawn into account: the probability with which the path goes on.

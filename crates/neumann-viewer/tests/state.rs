@@ -172,7 +172,8 @@ const LAMP: &str = r#"{
     "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
         "min": [0, 0, 0], "max": [1, 1, 0]}],
     "bufferViews": [{"buffer": 0, "byteLength": 36}],
-    "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]
+    "buffers": [{"byteLength": 36, "uri":
+        "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]
 }"#;
 
 #[test]
@@ -210,6 +211,8 @@ fn colours_of_lights_and_of_the_inside_come_back() {
     assert_eq!(now.lights, was.lights);
     assert_eq!(now.lights[0].kind.strength(), colour);
     assert_eq!(now.materials, was.materials);
+    // What a state brings is where undoing ends.
+    assert_eq!(second.state().session.history.to_undo(), None);
     let _ = std::fs::remove_dir_all(&folder);
 }
 

@@ -235,8 +235,8 @@ pub struct LevelEdit {
     pub is_on: bool,
     /// Factor on what the file says.
     pub brightness: Exact,
-    /// Linear colour × intensity of a punctual light, in the unit of its kind; as in the file where
-    /// there is none. Emitters have theirs with their materials.
+    /// Linear colour × intensity of a punctual light, in the unit of its kind; as in the file
+    /// where there is none. Emitters have theirs with their materials.
     #[serde(default)]
     pub strength: Option<[Exact; 3]>,
 }

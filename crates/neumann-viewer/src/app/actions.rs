@@ -10,6 +10,7 @@ use crate::command_line;
 use crate::compared::Reference;
 use crate::display::{Against, image_area};
 use crate::keys::Action;
+use crate::notices::Offer;
 use crate::panels::Page;
 use crate::save;
 use crate::scene_source::Wanted;
@@ -46,6 +47,7 @@ impl App {
             Action::Restart => self.session.setup.is_changed = true,
             Action::FitFilm => self.session.fit(),
             Action::FrameAll | Action::ResetCamera => self.move_camera(action),
+            Action::Undo | Action::Redo => self.undo_or_redo(ctx, action),
             Action::Open => {
                 self.shell.show_page(Page::Scene);
                 self.shell.background.choose(Wanted::Scene);
@@ -66,7 +68,7 @@ impl App {
                 self.shell.text_scale.step(tenths);
                 let percent = 100.0 * self.shell.text_scale.factor();
                 let text = format!("Text at {percent:.0} % of its usual size");
-                self.shell.notices.remark_instead(ctx, "Text at ", text);
+                self.shell.notices.remark_instead(ctx, &["Text at "], text);
             }
             Action::Controls => match ctx.memory(|m| m.focused()) {
                 Some(id) => ctx.memory_mut(|m| m.surrender_focus(id)),
@@ -102,6 +104,29 @@ impl App {
             }
             None => notices.failure("There is no scene yet to render by a command"),
         }
+    }
+
+    /// Undoes the last edit of what is rendered, or does again what was undone; says which.
+    fn undo_or_redo(&mut self, ctx: &Context, action: Action) {
+        let session = &mut self.session;
+        let (done, word, verb) = match action {
+            Action::Undo => (session.history.undo(&mut session.setup), "Undid", "undo"),
+            _ => (session.history.redo(&mut session.setup), "Redid", "redo"),
+        };
+        let text = match done {
+            Some(what) => format!("{word}: {what}"),
+            None => format!("Nothing to {verb}"),
+        };
+        let notices = &mut self.shell.notices;
+        // A sky may have come back, or gone again.
+        let open = session.setup.open.as_ref();
+        let has_sky = open.is_some_and(|o| o.scene.appearance().environment.is_some());
+        notices.withdraw(|offer| match offer {
+            Offer::PutSkyBack(_) => has_sky,
+            Offer::RemoveSky => !has_sky,
+            _ => false,
+        });
+        notices.remark_instead(ctx, &["Undid: ", "Redid: ", "Nothing to "], text);
     }
 
     /// Shows a view, or goes back to the picture.

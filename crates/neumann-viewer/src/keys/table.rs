@@ -129,6 +129,16 @@ pub static HELP: &[HelpLine] = &[
         "restart",
         &[on(NONE, Key::R, Action::Restart)],
     ),
+    line(
+        RENDERING,
+        "Ctrl Z  Ctrl Y",
+        "undo, redo (or Ctrl Shift Z)",
+        &[
+            on(CTRL, Key::Z, Action::Undo),
+            on(CTRL, Key::Y, Action::Redo),
+            on(CTRL.plus(SHIFT), Key::Z, Action::Redo),
+        ],
+    ),
     line(CAMERA, "drag", "orbit", &[]),
     line(CAMERA, "Shift drag", "pan (or the middle button)", &[]),
     line(CAMERA, "wheel", "dolly", &[]),

@@ -34,7 +34,7 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
 
 /// Takes the sky away, says what that means, and offers to put it back.
 pub(crate) fn remove_sky(setup: &mut Setup, notices: &mut Notices) {
-    let Some(former) = setup.sky_as_it_is() else {
+    let Some(former) = setup.snapshot() else {
         return;
     };
     notices.withdraw(|o| matches!(o, Offer::RemoveSky | Offer::PutSkyBack(_)));
@@ -48,7 +48,7 @@ pub(crate) fn remove_sky(setup: &mut Setup, notices: &mut Notices) {
     } else {
         "The sky is removed"
     };
-    notices.offer(text, "Put back", Offer::PutSkyBack(former));
+    notices.offer(text, "Put back", Offer::PutSkyBack(Box::new(former)));
 }
 
 fn lights(ui: &mut Ui, appearance: &mut Appearance) -> bool {

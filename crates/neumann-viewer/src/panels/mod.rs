@@ -2,6 +2,7 @@
 
 mod camera;
 mod display;
+mod history;
 mod lights;
 mod materials;
 mod method;
@@ -84,7 +85,7 @@ pub fn show(
                         ui.set_width(ui.available_width());
                         match shell.page {
                             Page::Method => method::show(ui, session, &viewing.views, shell),
-                            Page::Scene => scene::show(ui, &mut session.setup, shell),
+                            Page::Scene => scene::show(ui, session, shell),
                             Page::Camera => camera::show(ui, session, shell),
                             Page::Display => {
                                 display::show(ui, session, &mut viewing.settings, shell);

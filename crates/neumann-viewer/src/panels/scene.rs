@@ -6,14 +6,16 @@ use neumann_core::scene::builtin::BUILTINS;
 
 use crate::notices::{Notices, Offer};
 use crate::scene_source::Wanted;
+use crate::session::Session;
 use crate::setup::Setup;
 use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::widgets::{
-    button, fact, fold, heading, hint, paragraph, path_field, row_button, switch,
+    button, fact, fold, heading, hint, paragraph, path_field, row_button, rule, switch,
 };
 
-pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
+pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
+    let setup = &mut session.setup;
     about(ui, setup);
     ui.add_space(GRID);
     let is_entered = path_field(ui, "Path of a scene", &mut shell.fields.scene);
@@ -49,6 +51,10 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
         }
     }
     if setup.open.is_some() {
+        rule(ui);
+        heading(ui, "Edits");
+        ui.add_space(GRID / 2.0);
+        super::history::show(ui, &session.history, shell);
         backs(ui, setup, &mut shell.notices);
         super::lights::show(ui, setup, shell);
         super::materials::show(ui, setup, &mut shell.material);

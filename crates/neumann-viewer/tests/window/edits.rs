@@ -1,0 +1,247 @@
+//! Edits: undone and redone.
+
+use std::sync::Arc;
+
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2, Rect, pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use glam::Mat4;
+use neumann_core::radiometry::Rgb;
+use neumann_core::scene::builtin::builtin;
+use neumann_core::scene::description::{LightDescription, LightKind};
+use neumann_core::scene::{Appearance, Scene};
+use neumann_viewer::app::App;
+use neumann_viewer::history::MOST_STEPS;
+
+use crate::{click, harness, press};
+
+/// The window on the built-in scene `sky`, with a lamp.
+fn sky(size: [f32; 2]) -> Harness<'static, App> {
+    let mut harness = harness(size);
+    let sky = builtin("sky").expect("a built-in scene");
+    let mut sky = sky.load().expect("a scene as it comes");
+    sky.lights.push(LightDescription {
+        name: "lamp".to_owned(),
+        world_from_light: Mat4::from_translation(glam::Vec3::Y * 5.0),
+        kind: LightKind::Point {
+            intensity: Rgb::new(4.0, 2.0, 1.0),
+        },
+    });
+    let scene = Arc::new(Scene::build(&sky));
+    harness.state_mut().take_scene("sky".to_owned(), scene);
+    harness.run_steps(3);
+    harness
+}
+
+fn appearance(harness: &Harness<'_, App>) -> Appearance {
+    let open = harness.state().session.setup.open.as_ref();
+    open.expect("a scene").scene.appearance().clone()
+}
+
+fn eye(harness: &Harness<'_, App>) -> glam::Vec3 {
+    let camera = harness.state().session.setup.camera.as_ref();
+    camera.expect("a camera").eye()
+}
+
+fn notices(harness: &Harness<'_, App>) -> Vec<String> {
+    let notices = &harness.state().shell.notices;
+    notices.texts().map(str::to_owned).collect()
+}
+
+fn with(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
+    harness.key_press_modifiers(modifiers, key);
+    harness.run_steps(2);
+}
+
+fn undo(harness: &mut Harness<'_, App>) {
+    with(harness, Modifiers::COMMAND, Key::Z);
+}
+
+fn redo(harness: &mut Harness<'_, App>) {
+    with(harness, Modifiers::COMMAND, Key::Y);
+}
+
+/// Presses at the first place, goes to each of the others, and lets go.
+fn drag(harness: &mut Harness<'_, App>, way: &[Pos2], mut look: impl FnMut(&Harness<'_, App>)) {
+    harness.hover_at(way[0]);
+    harness.run_steps(1);
+    harness.drag_at(way[0]);
+    harness.run_steps(1);
+    for at in way {
+        harness.hover_at(*at);
+        harness.run_steps(1);
+        look(harness);
+    }
+    harness.drop_at(*way.last().expect("a way"));
+    harness.run_steps(2);
+}
+
+/// Name and place of every slider on the page.
+fn sliders(harness: &Harness<'_, App>) -> Vec<(String, Rect)> {
+    let nodes = harness.query_all_by_role(Role::Slider);
+    nodes
+        .map(|node| {
+            let label = node.accesskit_node().label().unwrap_or_default();
+            (label, node.rect())
+        })
+        .collect()
+}
+
+fn slider(harness: &Harness<'_, App>, name: &str) -> Rect {
+    let all = sliders(harness);
+    let found = all.iter().find(|(label, _)| label == name);
+    found.unwrap_or_else(|| panic!("{name} in {all:?}")).1
+}
+
+fn share(rect: Rect, x: f32) -> Pos2 {
+    pos2(egui::lerp(rect.x_range(), x), rect.center().y)
+}
+
+#[test]
+fn a_drag_of_the_camera_is_one_step_and_comes_back() {
+    let mut harness = sky([1280.0, 720.0]);
+    let home = eye(&harness);
+    let middle = harness.get_by_label_contains("picture: ").rect().center();
+    let way: Vec<Pos2> = (0..12)
+        .map(|i| middle + vec2(9.0 * i as f32, 3.0))
+        .collect();
+    drag(&mut harness, &way, |_| {});
+    let moved = eye(&harness);
+    assert!((moved - home).length() > 0.1);
+    press(&mut harness, Key::W);
+    let flown = eye(&harness);
+    assert_ne!(flown, moved);
+
+    undo(&mut harness);
+    assert_eq!(eye(&harness), moved, "the flight");
+    assert_eq!(notices(&harness), ["Undid: camera move"]);
+    undo(&mut harness);
+    assert_eq!(eye(&harness), home, "the whole drag");
+    undo(&mut harness);
+    assert_eq!(notices(&harness), ["Nothing to undo"]);
+    redo(&mut harness);
+    assert_eq!(eye(&harness), moved);
+    with(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(eye(&harness), flown);
+    assert_eq!(notices(&harness), ["Redid: camera move"]);
+    let job = harness.state().session.link.started().expect("it renders");
+    let eye_of_job = job.settings.camera.world_from_camera.w_axis.truncate();
+    assert_eq!(eye_of_job, flown);
+
+    // What is edited after an undo is the end of what could be redone.
+    undo(&mut harness);
+    press(&mut harness, Key::CloseBracket);
+    redo(&mut harness);
+    assert_eq!(notices(&harness), ["Nothing to redo"]);
+    undo(&mut harness);
+    assert_eq!(notices(&harness), ["Undid: choice of drt"]);
+    assert_eq!(eye(&harness), moved);
+}
+
+#[test]
+fn a_turn_of_the_wheel_is_one_step() {
+    let mut harness = sky([1280.0, 720.0]);
+    let home = eye(&harness);
+    let middle = harness.get_by_label_contains("picture: ").rect().center();
+    harness.hover_at(middle);
+    for _ in 0..3 {
+        harness.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: vec2(0.0, 1.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: Modifiers::NONE,
+        });
+        harness.run_steps(3);
+    }
+    let near = eye(&harness);
+    assert_ne!(near, home);
+    // Long enough for the wheel to have come to rest.
+    harness.run_steps(120);
+    undo(&mut harness);
+    assert_eq!(eye(&harness), home);
+}
+
+#[test]
+fn a_drag_of_a_slider_is_one_step_and_says_of_what() {
+    let mut harness = sky([1280.0, 2600.0]);
+    press(&mut harness, Key::F2);
+    click(&mut harness, "Materials");
+    click(&mut harness, "clay");
+    let before = appearance(&harness).materials[1].roughness;
+    let track = slider(&harness, "Roughness");
+    let way: Vec<Pos2> = (0..10)
+        .map(|i| share(track, 0.2 + 0.07 * i as f32))
+        .collect();
+    drag(&mut harness, &way, |_| {});
+    let after = appearance(&harness).materials[1].roughness;
+    assert_ne!(before, after);
+    click(&mut harness, "lamp");
+    undo(&mut harness);
+    assert_eq!(notices(&harness), ["Undid: lamp switched off"]);
+    assert!(appearance(&harness).light_levels[0].is_on);
+    // The buttons do the same.
+    click(&mut harness, "Undo");
+    assert_eq!(notices(&harness), ["Undid: roughness of clay"]);
+    assert_eq!(appearance(&harness).materials[1].roughness, before);
+    click(&mut harness, "Redo");
+    assert_eq!(appearance(&harness).materials[1].roughness, after);
+    assert_eq!(notices(&harness), ["Redid: roughness of clay"]);
+}
+
+#[test]
+fn the_history_is_bounded_and_begins_anew_with_a_scene() {
+    let mut harness = sky([1280.0, 720.0]);
+    let home = eye(&harness);
+    for _ in 0..MOST_STEPS + 5 {
+        press(&mut harness, Key::W);
+    }
+    for _ in 0..MOST_STEPS {
+        undo(&mut harness);
+    }
+    assert_eq!(notices(&harness), ["Undid: camera move"]);
+    assert_ne!(eye(&harness), home);
+    undo(&mut harness);
+    assert_eq!(notices(&harness), ["Nothing to undo"]);
+    let furnace = builtin("furnace").expect("a built-in scene");
+    let furnace = Scene::build(&furnace.load().expect("a scene as it comes"));
+    let harness_state = harness.state_mut();
+    harness_state.take_scene("furnace".to_owned(), Arc::new(furnace));
+    harness.run_steps(2);
+    redo(&mut harness);
+    assert_eq!(notices(&harness), ["Nothing to redo"]);
+}
+
+#[test]
+fn a_sky_that_is_removed_comes_back_by_its_notice_and_by_undo() {
+    let mut harness = sky([1280.0, 2600.0]);
+    press(&mut harness, Key::F2);
+    click(&mut harness, "Environment");
+    let is_there = |harness: &Harness<'_, App>| appearance(harness).environment.is_some();
+    assert!(is_there(&harness));
+    click(&mut harness, "Sky: none");
+    assert!(!is_there(&harness));
+    press(&mut harness, Key::W);
+    click(&mut harness, "Put back");
+    assert!(is_there(&harness));
+    undo(&mut harness);
+    assert!(!is_there(&harness), "the notice's own step");
+    undo(&mut harness);
+    undo(&mut harness);
+    assert!(is_there(&harness));
+    assert_eq!(notices(&harness), ["Undid: choice of the environment"]);
+}
+
+#[test]
+fn a_text_field_keeps_its_own_undo() {
+    let mut harness = sky([1280.0, 2600.0]);
+    press(&mut harness, Key::W);
+    let flown = eye(&harness);
+    press(&mut harness, Key::F2);
+    harness.get_by_label("Path of a scene").focus();
+    harness.run_steps(2);
+    undo(&mut harness);
+    assert_eq!(eye(&harness), flown);
+    assert!(notices(&harness).is_empty());
+}

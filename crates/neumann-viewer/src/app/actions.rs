@@ -224,6 +224,8 @@ impl App {
             if let Some(id) = ctx.memory(|m| m.focused()) {
                 ctx.memory_mut(|m| m.surrender_focus(id));
             }
+        } else if egui::Popup::is_any_open(ctx) {
+            // The toolkit closes it.
         } else if self.shell.is_help_open {
             self.shell.is_help_open = false;
         } else if self.shell.is_menu_open {

@@ -11,7 +11,7 @@ use crate::setup::Setup;
 use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::widgets::{
-    button, fact, fold, heading, hint, paragraph, path_field, row_button, rule, switch,
+    button, fact, fold, heading, hint, paragraph, path_field, row_button, rule, settled, switch,
 };
 
 pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
@@ -95,7 +95,8 @@ fn about(ui: &mut Ui, setup: &Setup) {
 /// Whether the camera looks through the backs of single-sided surfaces, where there are any.
 fn backs(ui: &mut Ui, setup: &mut Setup, notices: &mut Notices) {
     let Some(open) = &setup.open else { return };
-    if !open.scene.has_backs() {
+    // Glass has no back: a material that is made transparent may have been the last one with one.
+    if !settled(ui, "backs", open.scene.has_backs()) {
         return;
     }
     let mut is_on = open.scene.appearance().backs == Backs::SeeThrough;

@@ -5,15 +5,17 @@ mod color;
 mod fold;
 mod icon;
 mod segmented;
+mod settled;
 mod slider;
 mod switch;
 mod text;
 
 pub use button::{button, icon_button, row_button};
-pub use color::color_sliders;
+pub use color::{color_row, color_sliders, hue_row};
 pub use fold::fold;
 pub use icon::Icon;
 pub use segmented::{choice_row, explained_choice, segmented, segmented_width, segments, tabs};
+pub use settled::settled;
 pub use slider::{Slider, significant};
 pub use switch::switch;
 pub use text::{fact, heading, hint, paragraph, path_field, rule, text_field};

@@ -1,4 +1,4 @@
-//! Edits: undone and redone.
+//! Edits: undone and redone, coloured, and steady under the hand.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use neumann_core::scene::{Appearance, Scene};
 use neumann_viewer::app::App;
 use neumann_viewer::history::MOST_STEPS;
 
-use crate::{click, harness, press};
+use crate::{click, harness, press, wait};
 
 /// The window on the built-in scene `sky`, with a lamp.
 fn sky(size: [f32; 2]) -> Harness<'static, App> {
@@ -244,4 +244,155 @@ fn a_text_field_keeps_its_own_undo() {
     undo(&mut harness);
     assert_eq!(eye(&harness), flown);
     assert!(notices(&harness).is_empty());
+}
+
+#[test]
+fn colours_are_picked_and_strengths_stay() {
+    let mut harness = sky([1280.0, 2600.0]);
+    press(&mut harness, Key::F2);
+    let before = appearance(&harness).lights[0].kind.strength();
+    click(&mut harness, "Colour of lamp");
+    harness.run_steps(10);
+    assert_eq!(
+        appearance(&harness).lights[0].kind.strength(),
+        before,
+        "only looked at"
+    );
+    let field = harness.get_by_label("Hue and saturation").rect();
+    let way: Vec<Pos2> = (1..8)
+        .map(|i| field.min + 0.1 * i as f32 * field.size())
+        .collect();
+    drag(&mut harness, &way, |_| {});
+    let after = appearance(&harness).lights[0].kind.strength();
+    assert_ne!(after, before);
+    let strengths = [before, after].map(|c| c.max_channel());
+    assert!(
+        (strengths[1] / strengths[0] - 1.0).abs() < 1e-4,
+        "{strengths:?}"
+    );
+    // Its numbers can be edited, and grey keeps the hue for the way back.
+    let track = slider(&harness, "Saturation");
+    drag(
+        &mut harness,
+        &[share(track, 0.5), share(track, 0.0)],
+        |_| {},
+    );
+    let Rgb { r, g, b } = appearance(&harness).lights[0].kind.strength();
+    assert!(r == g && g == b, "{r} {g} {b}");
+    drag(
+        &mut harness,
+        &[share(track, 0.3), share(track, 1.0)],
+        |_| {},
+    );
+    let full = appearance(&harness).lights[0].kind.strength();
+    let brightest = |c: Rgb| {
+        let channels = c.to_array();
+        channels.iter().position(|v| *v == c.max_channel())
+    };
+    assert_eq!(brightest(full), brightest(after));
+    press(&mut harness, Key::Escape);
+    assert!(harness.query_by_label("Hue and saturation").is_none());
+    for _ in 0..3 {
+        undo(&mut harness);
+        assert_eq!(notices(&harness), ["Undid: colour of lamp"]);
+    }
+    assert_eq!(appearance(&harness).lights[0].kind.strength(), before);
+}
+
+/// A lamp is turned down to nothing and up again: it keeps its colour.
+#[test]
+fn emission_keeps_its_colour_through_black() {
+    let mut harness = sky([1280.0, 2600.0]);
+    press(&mut harness, Key::F2);
+    click(&mut harness, "Materials");
+    click(&mut harness, "clay");
+    let app = harness.state_mut();
+    let mut red = app
+        .session
+        .setup
+        .snapshot()
+        .expect("a scene")
+        .appearance
+        .as_ref()
+        .clone();
+    red.materials[1].emission = Rgb::new(8.0, 2.0, 1.0);
+    app.session.setup.dress(red);
+    harness.run_steps(3);
+    let emission = |harness: &Harness<'_, App>| appearance(harness).materials[1].emission;
+    let track = slider(&harness, "Emission");
+    drag(
+        &mut harness,
+        &[share(track, 0.5), share(track, 0.0)],
+        |_| {},
+    );
+    assert!(emission(&harness).is_black());
+    let track = slider(&harness, "Emission");
+    drag(
+        &mut harness,
+        &[share(track, 0.3), share(track, 0.7)],
+        |_| {},
+    );
+    let Rgb { r, g, b } = emission(&harness);
+    assert!(r > 0.0 && (r / g - 4.0).abs() < 1e-3 && (r / b - 8.0).abs() < 1e-3);
+}
+
+/// Whatever a slider changes, neither it nor its range moves while it is held: a material that
+/// begins to shine joins the lights above its own controls only when the hand has let go.
+#[test]
+fn no_slider_moves_under_the_hand() {
+    let mut harness = sky([1280.0, 3200.0]);
+    harness.state_mut().viewing.settings.is_auto = true;
+    let mut n = 0;
+    for page in [Key::F1, Key::F2, Key::F3, Key::F4] {
+        press(&mut harness, page);
+        if page == Key::F2 {
+            for name in ["Environment", "Materials", "clay"] {
+                click(&mut harness, name);
+            }
+        }
+        for i in 0..sliders(&harness).len() {
+            // An edit may have brought rows, which are gone again by now.
+            let all = sliders(&harness);
+            let (name, track) = all[i].clone();
+            let way = [0.3, 0.6, 0.99, 0.4, 0.01, 0.0, 0.2].map(|x| share(track, x));
+            drag(&mut harness, &way, |harness| {
+                let now = sliders(harness);
+                let is_there = now.contains(&(name.clone(), track));
+                assert!(is_there, "{name} at {track:?} is gone: {now:?}");
+            });
+            n += 1;
+            if harness.state().session.history.to_undo().is_some() {
+                undo(&mut harness);
+            }
+            assert_eq!(
+                sliders(&harness).len(),
+                all.len(),
+                "{name}: undone in one step"
+            );
+        }
+    }
+    assert!(n > 20, "{n} sliders");
+}
+
+/// A press on the knob alone changes nothing, wherever it is taken.
+#[test]
+fn a_knob_stays_where_it_is_taken() {
+    let mut harness = sky([1280.0, 2600.0]);
+    press(&mut harness, Key::F2);
+    click(&mut harness, "Materials");
+    click(&mut harness, "clay");
+    let starts = harness.state().session.link.n_starts();
+    let before = appearance(&harness).materials[1].roughness;
+    let track = slider(&harness, "Roughness");
+    let inner = track.shrink2(vec2(5.0, 0.0));
+    let knob = share(inner, before);
+    let at = knob + vec2(4.0, 0.0);
+    drag(&mut harness, &[at, at], |_| {});
+    assert_eq!(appearance(&harness).materials[1].roughness, before);
+    assert_eq!(harness.state().session.link.n_starts(), starts);
+    let step = 0.1 * inner.width() * if before > 0.5 { -1.0 } else { 1.0 };
+    drag(&mut harness, &[at, at + vec2(step, 0.0)], |_| {});
+    let moved = appearance(&harness).materials[1].roughness - before;
+    assert!((moved.abs() - 0.1).abs() < 1e-3, "{moved}");
+    wait(&mut harness, |app| app.session.history.to_undo().is_some());
 }

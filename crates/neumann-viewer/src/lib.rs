@@ -29,6 +29,7 @@ pub mod offscreen;
 pub mod onlooker;
 pub mod options;
 pub mod panels;
+pub mod pick;
 pub mod picture;
 pub mod probe;
 pub mod recent;

@@ -12,6 +12,7 @@ use crate::display::{Against, image_area};
 use crate::keys::Action;
 use crate::notices::Offer;
 use crate::panels::Page;
+use crate::pick;
 use crate::save;
 use crate::scene_source::Wanted;
 use crate::shell::WindowRequest;
@@ -48,6 +49,7 @@ impl App {
             Action::FitFilm => self.session.fit(),
             Action::FrameAll | Action::ResetCamera => self.move_camera(action),
             Action::Undo | Action::Redo => self.undo_or_redo(ctx, action),
+            Action::Pick => self.pick(ctx),
             Action::Open => {
                 self.shell.show_page(Page::Scene);
                 self.shell.background.choose(Wanted::Scene);
@@ -127,6 +129,20 @@ impl App {
             _ => false,
         });
         notices.remark_instead(ctx, &["Undid: ", "Redid: ", "Nothing to "], text);
+    }
+
+    /// Shows the material under the pointer, or that in the middle of the picture.
+    fn pick(&mut self, ctx: &Context) {
+        let Some(placement) = &self.viewing.placement else {
+            return;
+        };
+        let pointer = ctx.input(|i| i.pointer.hover_pos());
+        let fraction = pointer.and_then(|at| placement.fraction(at));
+        let fraction = fraction.or_else(|| placement.fraction(placement.visible.center()));
+        let setup = &self.session.setup;
+        if let Some(picked) = fraction.and_then(|f| pick::at(setup, placement, f)) {
+            self.shell.show_picked(picked);
+        }
     }
 
     /// Shows a view, or goes back to the picture.

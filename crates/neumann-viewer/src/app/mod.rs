@@ -193,10 +193,15 @@ impl App {
             settings: &mut viewing.settings,
             placement: &mut viewing.placement,
             caption: Rect::NOTHING,
+            picked: None,
             notices: &mut self.shell.notices,
             opening: self.loading.as_ref().map(|l| &l.progress),
         };
         viewing.views.draw(ui, &mut stage_of_view);
+        if let Some(picked) = stage_of_view.picked {
+            self.shell.show_picked(picked);
+            ctx.request_repaint();
+        }
         self.measure(&ctx);
         if let Some(offer) = self.shell.notices.show(&ctx, stage) {
             self.accept(offer);

@@ -112,6 +112,7 @@ impl App {
         let is_of_former = |o: &Offer| matches!(o, Offer::PutSkyBack(_)) || is_of_a_drop(o);
         self.shell.notices.withdraw(is_of_former);
         self.shell.material = None;
+        self.shell.picked = None;
         self.viewing.settings.zoom = None;
         self.map_to_come = None;
         self.awaits_map = false;

@@ -40,6 +40,8 @@ pub enum Action {
     Undo,
     /// Redo what was undone last.
     Redo,
+    /// The material under the pointer, or in the middle of the picture.
+    Pick,
     /// Change the exposure by so many thirds of a stop.
     Exposure(i32),
     /// Exposure follows the picture.

@@ -143,6 +143,12 @@ pub static HELP: &[HelpLine] = &[
     line(CAMERA, "Shift drag", "pan (or the middle button)", &[]),
     line(CAMERA, "wheel", "dolly", &[]),
     line(CAMERA, "Ctrl click", "focus the lens there", &[]),
+    line(
+        CAMERA,
+        "Shift click",
+        "show the material there (Shift I)",
+        &[on(SHIFT, Key::I, Action::Pick)],
+    ),
     line(CAMERA, "W A S D", "fly; PgUp PgDn up and down", &[]),
     line(CAMERA, "wheel with them", "fly faster, slower", &[]),
     line(

@@ -8,11 +8,12 @@ use neumann_core::radiometry::Rgb;
 use neumann_core::scene::{Appearance, Level, Sky};
 
 use crate::notices::{Notices, Offer};
+use crate::pick::Picked;
 use crate::scene_source::Wanted;
 use crate::setup::{Setup, name_or};
 use crate::shell::Shell;
 use crate::widgets::{
-    Slider, button, explained_choice, fold, hint, hue_row, path_field, settled, switch,
+    Slider, button, explained_choice, fold, fold_opened, hint, hue_row, path_field, settled, switch,
 };
 
 pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
@@ -24,7 +25,8 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
             edited = Some(appearance);
         }
     }
-    if fold(ui, "Environment", false) {
+    let reveals = shell.reveals_pick && shell.picked == Some(Picked::Sky);
+    if fold_opened(ui, "Environment", false, reveals) {
         let are_lights_edited = edited.is_some();
         let mut appearance = edited.unwrap_or_else(|| open.scene.appearance().clone());
         let is_changed = environment(ui, setup, shell, &mut appearance);

@@ -2,39 +2,52 @@
 
 use egui::Ui;
 use neumann_core::radiometry::Rgb;
+use neumann_core::scene::Scene;
 use neumann_core::scene::description::MaterialDescription;
 
+use crate::pick::Picked;
 use crate::setup::{Setup, name_or};
+use crate::shell::Shell;
 use crate::widgets::{
-    Slider, button, color_row, color_sliders, fold, hint, hue_row, row_button, settled,
+    Slider, button, color_row, color_sliders, fold_opened, hint, hue_row, paragraph, row_button,
+    settled,
 };
 
-pub(super) fn show(ui: &mut Ui, setup: &mut Setup, edited_one: &mut Option<usize>) {
+pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
     let Some(open) = &setup.open else { return };
-    if !fold(ui, "Materials", false) {
+    let reveals = shell.reveals_pick && matches!(shell.picked, Some(Picked::Surface { .. }));
+    if !fold_opened(ui, "Materials", false, reveals) {
         return;
     }
     let appearance = open.scene.appearance();
-    // The last one is the default of meshes without a material.
-    let n_materials = appearance.materials.len().saturating_sub(1);
+    let n_materials = n_listed(&open.scene);
     if n_materials == 0 {
         hint(ui, "the file has none");
     }
     let mut edited: Option<(usize, MaterialDescription)> = None;
     for (i, material) in appearance.materials.iter().take(n_materials).enumerate() {
         let name = name_or(&material.name, "Material", i);
-        let is_chosen = *edited_one == Some(i);
+        let is_chosen = shell.material == Some(i);
         let original = open.original.materials.get(i);
         let remark = if original == Some(material) {
             ""
         } else {
             "edited"
         };
-        if row_button(ui, &name, remark, is_chosen).clicked() {
-            *edited_one = (!is_chosen).then_some(i);
+        let row = row_button(ui, &name, remark, is_chosen);
+        if row.clicked() {
+            shell.material = (!is_chosen).then_some(i);
         }
         if !is_chosen {
             continue;
+        }
+        if reveals {
+            row.scroll_to_me(Some(egui::Align::Min));
+        }
+        if let Some(Picked::Surface { material, place }) = &shell.picked
+            && *material == i
+        {
+            paragraph(ui, place);
         }
         let mut changed = material.clone();
         let edits = ui.push_id(i, |ui| editor(ui, &name, &mut changed, original));
@@ -47,6 +60,14 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, edited_one: &mut Option<usize
         appearance.materials[i] = material;
         setup.dress(appearance);
     }
+}
+
+/// The last material is the default of meshes without one; it is listed where there are some.
+fn n_listed(scene: &Scene) -> usize {
+    let n = scene.appearance().materials.len();
+    let mut meshes = scene.geometry().meshes().iter();
+    let is_used = meshes.any(|mesh| mesh.material as usize + 1 == n);
+    if is_used { n } else { n.saturating_sub(1) }
 }
 
 /// The controls of one material; true when it was changed.

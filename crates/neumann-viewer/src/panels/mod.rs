@@ -83,7 +83,8 @@ pub fn show(
                     let margin = Margin::symmetric(GRID as i8, 0);
                     egui::Frame::new().inner_margin(margin).show(ui, |ui| {
                         ui.set_width(ui.available_width());
-                        match shell.page {
+                        let page = shell.page;
+                        match page {
                             Page::Method => method::show(ui, session, &viewing.views, shell),
                             Page::Scene => scene::show(ui, session, shell),
                             Page::Camera => camera::show(ui, session, shell),
@@ -91,6 +92,7 @@ pub fn show(
                                 display::show(ui, session, &mut viewing.settings, shell);
                             }
                         }
+                        shell.reveals_pick &= page != Page::Scene;
                         keep_height(ui);
                         ui.add_space(2.0 * GRID);
                     });

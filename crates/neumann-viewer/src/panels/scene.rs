@@ -53,11 +53,15 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     if setup.open.is_some() {
         rule(ui);
         heading(ui, "Edits");
+        paragraph(
+            ui,
+            "Shift and a click on the picture show the material there.",
+        );
         ui.add_space(GRID / 2.0);
         super::history::show(ui, &session.history, shell);
         backs(ui, setup, &mut shell.notices);
         super::lights::show(ui, setup, shell);
-        super::materials::show(ui, setup, &mut shell.material);
+        super::materials::show(ui, setup, shell);
         warnings(ui, setup);
     }
 }

@@ -1,9 +1,9 @@
-//! Edits: undone and redone, coloured, and steady under the hand.
+//! Edits: undone and redone, picked in the picture, coloured, and steady under the hand.
 
 use std::sync::Arc;
 
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, Pos2, Rect, pos2, vec2};
+use egui::{Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::Mat4;
@@ -13,6 +13,8 @@ use neumann_core::scene::description::{LightDescription, LightKind};
 use neumann_core::scene::{Appearance, Scene};
 use neumann_viewer::app::App;
 use neumann_viewer::history::MOST_STEPS;
+use neumann_viewer::panels::Page;
+use neumann_viewer::pick::Picked;
 
 use crate::{click, harness, press, wait};
 
@@ -75,6 +77,20 @@ fn drag(harness: &mut Harness<'_, App>, way: &[Pos2], mut look: impl FnMut(&Harn
     }
     harness.drop_at(*way.last().expect("a way"));
     harness.run_steps(2);
+}
+
+fn click_at(harness: &mut Harness<'_, App>, at: Pos2, modifiers: Modifiers) {
+    harness.event_modifiers(egui::Event::PointerMoved(at), modifiers);
+    for pressed in [true, false] {
+        let event = egui::Event::PointerButton {
+            pos: at,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers,
+        };
+        harness.event_modifiers(event, modifiers);
+    }
+    harness.run_steps(4);
 }
 
 /// Name and place of every slider on the page.
@@ -247,6 +263,52 @@ fn a_text_field_keeps_its_own_undo() {
 }
 
 #[test]
+fn what_lies_under_the_pointer_is_picked_with_its_material() {
+    let mut harness = sky([1280.0, 720.0]);
+    let picture = harness
+        .state()
+        .viewing
+        .placement
+        .expect("a picture")
+        .visible;
+    let starts = harness.state().session.link.n_starts();
+    click_at(&mut harness, picture.center(), Modifiers::SHIFT);
+    let shell = &harness.state().shell;
+    assert_eq!(shell.page, Page::Scene);
+    let Some(Picked::Surface { material, place }) = shell.picked.clone() else {
+        panic!("{:?}", shell.picked);
+    };
+    assert_eq!(shell.material, Some(material));
+    assert!(place.contains("triangle "), "{place}");
+    // Its controls are on the screen, though the page is long.
+    let name = appearance(&harness).materials[material].name.clone();
+    harness.run_steps(30);
+    let row = harness.get_by_label(&name).rect();
+    assert!(row.top() > 40.0 && row.bottom() < 600.0, "{row:?}");
+    assert!(harness.query_by_label(&place).is_some());
+
+    // The sky, and a click that is none of it.
+    click_at(
+        &mut harness,
+        picture.center_top() + vec2(0.0, 6.0),
+        Modifiers::SHIFT,
+    );
+    assert_eq!(harness.state().shell.picked, Some(Picked::Sky));
+    assert!(harness.query_by_label("Sky: none").is_some(), "it is open");
+    press(&mut harness, Key::F1);
+    click_at(&mut harness, picture.center(), Modifiers::NONE);
+    assert_eq!(harness.state().shell.page, Page::Method);
+
+    // By the keyboard: where the pointer is, or else the middle.
+    harness.remove_cursor();
+    harness.run_steps(2);
+    with(&mut harness, Modifiers::SHIFT, Key::I);
+    assert_eq!(harness.state().shell.page, Page::Scene);
+    assert_eq!(harness.state().shell.material, Some(material));
+    assert_eq!(harness.state().session.link.n_starts(), starts);
+}
+
+#[test]
 fn colours_are_picked_and_strengths_stay() {
     let mut harness = sky([1280.0, 2600.0]);
     press(&mut harness, Key::F2);
@@ -372,6 +434,43 @@ fn no_slider_moves_under_the_hand() {
         }
     }
     assert!(n > 20, "{n} sliders");
+}
+
+/// The page is scrolled to its end, which is where it would become shorter.
+#[test]
+fn a_slider_stays_where_the_page_gets_shorter() {
+    let mut harness = sky([1280.0, 640.0]);
+    press(&mut harness, Key::F2);
+    harness.state_mut().shell.material = None;
+    click_at(&mut harness, pos2(400.0, 350.0), Modifiers::SHIFT);
+    harness.run_steps(30);
+    let track = slider(&harness, "Emission");
+    drag(
+        &mut harness,
+        &[share(track, 0.3), share(track, 0.5)],
+        |_| {},
+    );
+    harness.hover_at(pos2(1150.0, 300.0));
+    for _ in 0..10 {
+        harness.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: vec2(0.0, -100.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: Modifiers::NONE,
+        });
+        harness.run_steps(10);
+    }
+    harness.run_steps(30);
+    let track = slider(&harness, "Emission");
+    assert!(track.bottom() < 560.0, "it is on the screen: {track:?}");
+    drag(
+        &mut harness,
+        &[share(track, 0.5), share(track, 0.2), share(track, 0.0)],
+        |harness| {
+            assert_eq!(slider(harness, "Emission"), track);
+        },
+    );
 }
 
 /// A press on the knob alone changes nothing, wherever it is taken.

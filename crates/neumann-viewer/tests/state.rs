@@ -246,6 +246,15 @@ fn a_map_comes_back_with_its_level_and_turn() {
         .background
         .open_environment(map.into());
     wait(&mut first, is_lit);
+    first.run_steps(2);
+    let to_undo = |harness: &Harness<'_, App>| {
+        let history = &harness.state().session.history;
+        history.to_undo().map(str::to_owned)
+    };
+    assert_eq!(
+        to_undo(&first).as_deref(),
+        Some("choice of the environment")
+    );
     let setup = &mut first.state_mut().session.setup;
     let open = setup.open.as_ref().expect("a scene");
     let mut appearance = open.scene.appearance().clone();
@@ -258,7 +267,9 @@ fn a_map_comes_back_with_its_level_and_turn() {
     let mut second = harness_of(app());
     second.state_mut().open_state(Box::new(saved.clone()));
     wait(&mut second, |app| !app.is_loading() && is_lit(app));
+    second.run_steps(2);
     assert_eq!(state_of(&second), saved);
+    assert_eq!(to_undo(&second), None, "a map of the state is no edit");
 }
 
 #[test]

@@ -16,7 +16,7 @@ use crate::session::Session;
 use crate::shell::Shell;
 use crate::theme::{self, GRID, Palette};
 use crate::viewing::Viewing;
-use crate::widgets::{settled, tabs};
+use crate::widgets::tabs;
 
 /// The pages of the panel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -93,18 +93,9 @@ pub fn show(
                             }
                         }
                         shell.reveals_pick &= page != Page::Scene;
-                        keep_height(ui);
                         ui.add_space(2.0 * GRID);
                     });
                 });
         });
     });
-}
-
-/// While something is pressed a page gets no shorter: what has been scrolled to its end would move
-/// under the hand.
-fn keep_height(ui: &mut Ui) {
-    let height = ui.min_rect().height();
-    let kept = settled(ui, "height", height);
-    ui.add_space((kept - height).max(0.0));
 }

@@ -45,14 +45,14 @@ pub fn at(setup: &Setup, placement: &Placement, fraction: [f32; 2]) -> Option<Pi
     let mesh = geometry.facet(vertex.triangle).mesh as usize;
     let mesh = geometry.meshes().get(mesh)?;
     let name = if mesh.name.is_empty() {
-        "a node without a name".to_owned()
+        "Node without a name".to_owned()
     } else {
-        format!("node or mesh '{}'", mesh.name)
+        format!("Node or mesh '{}'", mesh.name)
     };
     let number = 1 + vertex.triangle.saturating_sub(mesh.first_triangle);
     let n = mesh.arrays.triangles.len();
     Some(Picked::Surface {
         material: mesh.material as usize,
-        place: format!("Picked: {name}, triangle {number} of {n}"),
+        place: format!("{name}, triangle {number} of {n}"),
     })
 }

@@ -7,7 +7,7 @@ use glam::{Quat, Vec2, Vec3};
 use neumann_core::scene::description::{CameraDescription, Lens, Projection};
 
 /// The camera under the user's hand.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CameraControl {
     /// What is rendered.
     camera: CameraDescription,

@@ -63,6 +63,9 @@ pub fn of(session: &Session, settings: &ViewSettings) -> Option<CommandLine> {
     if is_edited(open) {
         leaves_out.push("edits of materials and lights");
     }
+    if open.scene.appearance().environment_tint != open.original.environment_tint {
+        leaves_out.push("the colour of the environment");
+    }
     if is_other_width(setup, open) {
         leaves_out.push("the width of an orthographic view");
     }
@@ -151,6 +154,7 @@ fn is_edited(open: &OpenScene) -> bool {
     now.materials != was.materials
         || now.material_levels != was.material_levels
         || now.light_levels != was.light_levels
+        || now.lights != was.lights
 }
 
 /// Degrees that are that many radians when they are read again, or as near as can be.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use egui::{Align2, Context, Frame, Id, Label, Margin, RichText, Stroke};
 
-use crate::setup::FormerSky;
+use crate::setup::Snapshot;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{Icon, button, icon_button};
 
@@ -22,9 +22,9 @@ pub enum Offer {
     /// Look through the backs of single-sided surfaces.
     LookThroughBacks,
     /// Put back a sky that was removed.
-    PutSkyBack(FormerSky),
-    /// A dropped file that was taken for a sky is a reference; the sky was this one.
-    TakeAsReference(PathBuf, Option<FormerSky>),
+    PutSkyBack(Box<Snapshot>),
+    /// A dropped file that was taken for a sky is a reference; the sky was that of this one.
+    TakeAsReference(PathBuf, Option<Box<Snapshot>>),
     /// A dropped file that was taken for a reference is a sky.
     TakeAsSky(PathBuf),
 }
@@ -55,9 +55,10 @@ impl Notices {
         self.push(text.into(), None, Some(until));
     }
 
-    /// As [`Self::remark`], in place of those that begin alike.
-    pub fn remark_instead(&mut self, ctx: &Context, beginning: &str, text: String) {
-        self.entries.retain(|n| !n.text.starts_with(beginning));
+    /// As [`Self::remark`], in place of those that begin so.
+    pub fn remark_instead(&mut self, ctx: &Context, beginnings: &[&str], text: String) {
+        let is_older = |text: &str| beginnings.iter().any(|b| text.starts_with(b));
+        self.entries.retain(|n| !is_older(&n.text));
         self.remark(ctx, text);
     }
 

@@ -14,6 +14,7 @@ use neumann_picture::exr_file::{IterationRanges, Metadata, camera_text};
 
 use crate::compared::{Measuring, Origin, SceneName};
 use crate::display::ViewSettings;
+use crate::history::History;
 use crate::picture::Picture;
 use crate::render_link::RenderLink;
 use crate::setup::Setup;
@@ -23,6 +24,8 @@ use crate::views::Needs;
 pub struct Session {
     /// What is rendered.
     pub setup: Setup,
+    /// What of it has been edited, to be undone.
+    pub history: History,
     /// The line to the renderer.
     pub link: RenderLink,
     /// The film as of this frame.
@@ -71,6 +74,7 @@ impl Session {
     pub fn new(setup: Setup, link: RenderLink, is_debounced: bool) -> Self {
         Self {
             setup,
+            history: History::default(),
             link,
             picture: Picture::default(),
             measuring: Measuring::default(),

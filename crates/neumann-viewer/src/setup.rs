@@ -7,7 +7,7 @@ use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, Method, ParameterValues};
 use neumann_core::render::{RenderSettings, StopRule, lit};
 use neumann_core::scene::description::EnvironmentDescription;
-use neumann_core::scene::{Appearance, Backs, BetterTree, Level, Scene, Sky, SkyChoice};
+use neumann_core::scene::{Appearance, Backs, BetterTree, Scene, Sky, SkyChoice};
 
 use crate::camera_control::CameraControl;
 use crate::options::{CameraOptions, EnvironmentOptions, ViewOptions};
@@ -33,12 +33,53 @@ impl OpenScene {
     }
 }
 
-/// A sky as it was, for whoever wants it back.
+/// What is rendered, as it was, for whoever wants it back.
 #[derive(Clone, Debug)]
-pub struct FormerSky {
-    sky: Option<SkyChoice>,
-    environment: Option<Arc<EnvironmentDescription>>,
-    level: Level,
+pub struct Snapshot {
+    /// Number of the camera that was taken last.
+    pub of_file: usize,
+    /// The camera under the user's hand.
+    pub camera: Option<CameraControl>,
+    /// What stood in place of the scene's own sky, if anything.
+    pub sky: Option<SkyChoice>,
+    /// Materials, lights, environment, backs.
+    pub appearance: Arc<Appearance>,
+    /// Index into [`METHODS`].
+    pub method: usize,
+    /// Parameters of every method.
+    pub values: Vec<ParameterValues>,
+    /// Terms with `k` up to and including this one were computed.
+    pub max_bounces: u32,
+    /// Bounce layers kept apart.
+    pub n_layers: usize,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+impl Snapshot {
+    /// True if what is rendered now differs from it in its appearance at most.
+    #[must_use]
+    pub fn has_rest_of(&self, setup: &Setup) -> bool {
+        let open = setup.open.as_ref();
+        open.is_some_and(|open| open.camera == self.of_file)
+            && self.camera == setup.camera
+            && self.sky == setup.sky
+            && self.method == setup.method
+            && self.values == setup.values
+            && self.max_bounces == setup.max_bounces
+            && self.n_layers == setup.n_layers
+            && self.seed == setup.seed
+    }
+}
+
+/// What something of the scene is called: its name in the file, or its kind and number.
+#[must_use]
+pub fn name_or(name: &str, kind: &str, number: usize) -> String {
+    if name.is_empty() {
+        format!("{kind} {number}")
+    } else {
+        name.to_owned()
+    }
 }
 
 /// Where the size of the film comes from.
@@ -229,25 +270,51 @@ impl Setup {
         self.dress(appearance);
     }
 
-    /// The present sky; `None` without a scene.
+    /// What is rendered now, to come back to; `None` without a scene.
     #[must_use]
-    pub fn sky_as_it_is(&self) -> Option<FormerSky> {
-        let appearance = self.open.as_ref()?.scene.appearance();
-        Some(FormerSky {
+    pub fn snapshot(&self) -> Option<Snapshot> {
+        let open = self.open.as_ref()?;
+        Some(Snapshot {
+            of_file: open.camera,
+            camera: self.camera.clone(),
             sky: self.sky.clone(),
-            environment: appearance.environment.clone(),
-            level: appearance.environment_level,
+            appearance: Arc::new(open.scene.appearance().clone()),
+            method: self.method,
+            values: self.values.clone(),
+            max_bounces: self.max_bounces,
+            n_layers: self.n_layers,
+            seed: self.seed,
         })
     }
 
-    /// Puts back a sky that was there before.
-    pub fn put_sky_back(&mut self, former: FormerSky) {
-        let Some(open) = &self.open else { return };
-        let mut appearance = open.scene.appearance().clone();
-        appearance.environment = former.environment;
-        appearance.environment_level = former.level;
-        self.sky = former.sky;
-        self.dress(appearance);
+    /// Comes back to what was rendered, of the same scene.
+    pub fn restore(&mut self, former: &Snapshot) {
+        let Some(open) = &mut self.open else { return };
+        open.camera = former.of_file;
+        self.camera.clone_from(&former.camera);
+        self.sky.clone_from(&former.sky);
+        self.method = former.method;
+        self.values.clone_from(&former.values);
+        self.max_bounces = former.max_bounces;
+        self.n_layers = former.n_layers;
+        self.seed = former.seed;
+        self.dress(Appearance::clone(&former.appearance));
+    }
+
+    /// Puts back the sky of a snapshot, and nothing else of it.
+    pub fn put_sky_back(&mut self, former: &Snapshot) {
+        let Some(now) = self.snapshot() else { return };
+        let mut appearance = Appearance::clone(&now.appearance);
+        appearance
+            .environment
+            .clone_from(&former.appearance.environment);
+        appearance.environment_level = former.appearance.environment_level;
+        appearance.environment_tint = former.appearance.environment_tint;
+        self.restore(&Snapshot {
+            sky: former.sky.clone(),
+            appearance: Arc::new(appearance),
+            ..now
+        });
     }
 
     /// Puts a map that was read from a file in place of the environment.

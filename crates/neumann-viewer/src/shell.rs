@@ -12,6 +12,7 @@ use crate::gallery::Gallery;
 use crate::keys::{Action, Places};
 use crate::notices::Notices;
 use crate::panels::Page;
+use crate::pick::Picked;
 use crate::recent::Recent;
 use crate::scene_source::Background;
 use crate::text_scale::TextScale;
@@ -38,6 +39,10 @@ pub struct Shell {
     pub fields: Fields,
     /// The material that is being edited.
     pub material: Option<usize>,
+    /// What was picked in the picture last.
+    pub picked: Option<Picked>,
+    /// The Scene page scrolls to it in this frame.
+    pub(crate) reveals_pick: bool,
     /// Small pictures of the built-in scenes.
     pub gallery: Gallery,
     /// Scenes and states opened lately.
@@ -104,6 +109,8 @@ impl Shell {
             file_list: None,
             fields: Fields::default(),
             material: None,
+            picked: None,
+            reveals_pick: false,
             gallery: Gallery::new(Arc::clone(&wake)),
             recent: Recent::default(),
             notices: Notices::default(),
@@ -120,6 +127,16 @@ impl Shell {
         self.is_bare = false;
         self.is_presenting = false;
         self.page = page;
+    }
+
+    /// Shows what was picked on the Scene page.
+    pub fn show_picked(&mut self, picked: Picked) {
+        self.show_page(Page::Scene);
+        self.reveals_pick = true;
+        if let Picked::Surface { material, .. } = &picked {
+            self.material = Some(*material);
+        }
+        self.picked = Some(picked);
     }
 
     /// Asks for what a key would do.

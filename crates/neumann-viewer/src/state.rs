@@ -61,6 +61,7 @@ pub fn of(session: &Session, viewing: &Viewing) -> Option<State> {
         environment: EnvironmentState {
             is_on: appearance.environment_level.is_on,
             brightness: Exact(appearance.environment_level.brightness),
+            tint: Exact::all(appearance.environment_tint.to_array()),
             ..EnvironmentState::of(setup.sky.as_ref(), appearance.environment.as_deref())
         },
         backs: appearance.backs.name().to_owned(),
@@ -100,12 +101,13 @@ pub fn take_up(state: &State, session: &mut Session, viewing: &mut Viewing) -> V
     complaints
 }
 
-/// Level and turn of the environment; for a map that came later than the scene, too.
+/// Level, colour and turn of the environment; for a map that came later than the scene, too.
 pub fn take_environment(state: &EnvironmentState, appearance: &mut Appearance) {
     appearance.environment_level = Level {
         is_on: state.is_on,
         brightness: state.brightness.0,
     };
+    appearance.environment_tint = rgb(state.tint);
     if let (Some(rotation), Some(map)) = (state.rotation, &mut appearance.environment)
         && map.rotation.to_bits() != rotation.0.to_bits()
     {
@@ -173,22 +175,33 @@ fn edits(open: &OpenScene) -> Edits {
     let lights = appearance.lights.iter().map(|light| light.name.as_str());
     Edits {
         materials: materials.map(|(i, (now, _))| material(i, now)).collect(),
-        emitters: levels(names, &appearance.material_levels),
-        lights: levels(lights, &appearance.light_levels),
+        emitters: levels(names, &appearance.material_levels, |_| None),
+        lights: levels(lights, &appearance.light_levels, |i| {
+            let strength = appearance.lights[i].kind.strength();
+            let original = open.original.lights.get(i)?.kind.strength();
+            (strength != original).then_some(strength)
+        }),
     }
 }
 
-fn levels<'a>(names: impl Iterator<Item = &'a str>, levels: &[Level]) -> Vec<LevelEdit> {
+/// Lights that shine otherwise; `strength` is that of a light by itself, where it is another.
+fn levels<'a>(
+    names: impl Iterator<Item = &'a str>,
+    levels: &[Level],
+    strength: impl Fn(usize) -> Option<Rgb>,
+) -> Vec<LevelEdit> {
     let all = names.zip(levels).enumerate();
-    let edited = all.filter(|(_, (_, level))| **level != Level::default());
-    edited
-        .map(|(index, (name, level))| LevelEdit {
+    let edited = all.filter_map(|(index, (name, level))| {
+        let strength = strength(index);
+        (*level != Level::default() || strength.is_some()).then(|| LevelEdit {
             index,
             name: name.to_owned(),
             is_on: level.is_on,
             brightness: Exact(level.brightness),
+            strength: strength.map(|strength| Exact::all(strength.to_array())),
         })
-        .collect()
+    });
+    edited.collect()
 }
 
 fn material(index: usize, material: &MaterialDescription) -> MaterialEdit {
@@ -202,14 +215,14 @@ fn material(index: usize, material: &MaterialDescription) -> MaterialEdit {
         transmission: Exact(material.transmission),
         ior: Exact(material.ior),
         emission: Exact::all(material.emission.to_array()),
+        specular_color: Some(Exact::all(material.specular_color.to_array())),
+        attenuation_color: material
+            .volume
+            .map(|volume| Exact::all(volume.attenuation_color.to_array())),
     }
 }
 
 fn take_edits(edits: &Edits, appearance: &mut Appearance, complaints: &mut Vec<String>) {
-    let rgb = |all| {
-        let [r, g, b] = Exact::values(all);
-        Rgb::new(r, g, b)
-    };
     let mut left_out = |what: &str, index: usize, name: &str| {
         complaints.push(format!(
             "The scene has no {what} {index} called '{name}'; it was edited, and stays as in the \
@@ -229,6 +242,12 @@ fn take_edits(edits: &Edits, appearance: &mut Appearance, complaints: &mut Vec<S
         material.transmission = edit.transmission.0;
         material.ior = edit.ior.0;
         material.emission = rgb(edit.emission);
+        if let Some(color) = edit.specular_color {
+            material.specular_color = rgb(color);
+        }
+        if let (Some(color), Some(volume)) = (edit.attenuation_color, &mut material.volume) {
+            volume.attenuation_color = rgb(color);
+        }
     }
     let level = |edit: &LevelEdit| Level {
         is_on: edit.is_on,
@@ -243,11 +262,21 @@ fn take_edits(edits: &Edits, appearance: &mut Appearance, complaints: &mut Vec<S
         }
     }
     for edit in &edits.lights {
-        let named = appearance.lights.get(edit.index);
-        let is_it = named.is_some_and(|light| light.name == edit.name);
-        match appearance.light_levels.get_mut(edit.index) {
-            Some(there) if is_it => *there = level(edit),
+        let named = appearance.lights.get_mut(edit.index);
+        let named = named.filter(|light| light.name == edit.name);
+        match (named, appearance.light_levels.get_mut(edit.index)) {
+            (Some(light), Some(there)) => {
+                *there = level(edit);
+                if let Some(strength) = edit.strength {
+                    light.kind.set_strength(rgb(strength));
+                }
+            }
             _ => left_out("light", edit.index, &edit.name),
         }
     }
+}
+
+fn rgb(all: [Exact; 3]) -> Rgb {
+    let [r, g, b] = Exact::values(all);
+    Rgb::new(r, g, b)
 }

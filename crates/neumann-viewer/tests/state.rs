@@ -68,7 +68,9 @@ fn change(app: &mut App) {
         is_on: true,
         brightness: 1.7,
     };
+    appearance.materials[0].specular_color = Rgb::new(1.0, 0.7, 1.0 / 7.0);
     appearance.environment_level.brightness = 0.3;
+    appearance.environment_tint = Rgb::new(1.0, 0.9, 1.0 / 3.0);
     let map = appearance.environment.as_mut().expect("a sky");
     std::sync::Arc::make_mut(map).rotation = 1.1;
     setup.dress(appearance);
@@ -152,6 +154,68 @@ fn a_state_opened_again_shows_the_same_picture() {
     );
 }
 
+/// A triangle under a lamp, of glass that has a colour inside.
+const LAMP: &str = r#"{
+    "asset": {"version": "2.0"},
+    "extensionsUsed": ["KHR_lights_punctual", "KHR_materials_transmission",
+        "KHR_materials_volume"],
+    "extensions": {"KHR_lights_punctual": {"lights": [
+        {"name": "lamp", "type": "point", "intensity": 5, "color": [1, 0.5, 0.25]}]}},
+    "materials": [{"name": "glass", "extensions": {
+        "KHR_materials_transmission": {"transmissionFactor": 1},
+        "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 0.5,
+            "attenuationColor": [0.5, 0.6, 0.7]}}}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+    "nodes": [{"mesh": 0}, {"name": "lamp", "translation": [0, 1, 2],
+        "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+    "scenes": [{"nodes": [0, 1]}], "scene": 0,
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+        "min": [0, 0, 0], "max": [1, 1, 0]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "buffers": [{"byteLength": 36, "uri":
+        "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]
+}"#;
+
+#[test]
+fn colours_of_lights_and_of_the_inside_come_back() {
+    let folder = std::env::temp_dir().join(format!("neumann-lamp-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("lamp.gltf");
+    std::fs::write(&path, LAMP).expect("a file");
+    let mut first = harness_of(app());
+    first.state_mut().open_scene(path.display().to_string());
+    wait(&mut first, |app| !app.is_loading());
+    let setup = &mut first.state_mut().session.setup;
+    let open = setup.open.as_ref().expect("a scene");
+    let mut appearance = open.scene.appearance().clone();
+    let colour = Rgb::new(0.1, 3.0, 1.0 / 3.0);
+    appearance.lights[0].kind.set_strength(colour);
+    let volume = appearance.materials[0].volume.as_mut().expect("an inside");
+    volume.attenuation_color = Rgb::new(0.9, 0.1, 1.0 / 7.0);
+    setup.dress(appearance);
+    first.run_steps(2);
+    let saved = state_of(&first);
+    let (read, warnings) = State::parse(&saved.to_text()).expect("a state");
+    assert_eq!((&read, warnings.len()), (&saved, 0));
+
+    let mut second = harness_of(app());
+    second.state_mut().open_state(Box::new(read));
+    wait(&mut second, |app| !app.is_loading());
+    second.run_steps(2);
+    assert_eq!(state_of(&second), saved);
+    let of = |harness: &Harness<'_, App>| {
+        let open = harness.state().session.setup.open.as_ref();
+        open.expect("a scene").scene.appearance().clone()
+    };
+    let (now, was) = (of(&second), of(&first));
+    assert_eq!(now.lights, was.lights);
+    assert_eq!(now.lights[0].kind.strength(), colour);
+    assert_eq!(now.materials, was.materials);
+    // What a state brings is where undoing ends.
+    assert_eq!(second.state().session.history.to_undo(), None);
+    let _ = std::fs::remove_dir_all(&folder);
+}
+
 #[test]
 fn a_state_of_photons_shows_them_again() {
     let mut first = harness_of(app_with_photons());
@@ -182,6 +246,15 @@ fn a_map_comes_back_with_its_level_and_turn() {
         .background
         .open_environment(map.into());
     wait(&mut first, is_lit);
+    first.run_steps(2);
+    let to_undo = |harness: &Harness<'_, App>| {
+        let history = &harness.state().session.history;
+        history.to_undo().map(str::to_owned)
+    };
+    assert_eq!(
+        to_undo(&first).as_deref(),
+        Some("choice of the environment")
+    );
     let setup = &mut first.state_mut().session.setup;
     let open = setup.open.as_ref().expect("a scene");
     let mut appearance = open.scene.appearance().clone();
@@ -194,7 +267,9 @@ fn a_map_comes_back_with_its_level_and_turn() {
     let mut second = harness_of(app());
     second.state_mut().open_state(Box::new(saved.clone()));
     wait(&mut second, |app| !app.is_loading() && is_lit(app));
+    second.run_steps(2);
     assert_eq!(state_of(&second), saved);
+    assert_eq!(to_undo(&second), None, "a map of the state is no edit");
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::description::{
     EnvironmentDescription, LightDescription, MaterialDescription, SceneDescription,
 };
+use crate::radiometry::Rgb;
 
 /// Materials, lights and environment of a scene, and how bright each light is.
 #[derive(Clone, Debug)]
@@ -22,6 +23,8 @@ pub struct Appearance {
     pub light_levels: Vec<Level>,
     /// Level of the environment.
     pub environment_level: Level,
+    /// Multiplies the radiance of the environment, linear.
+    pub environment_tint: Rgb,
     /// What the camera makes of the backs of single-sided surfaces.
     pub backs: Backs,
 }
@@ -103,6 +106,7 @@ impl Appearance {
             material_levels: vec![Level::default(); materials.len()],
             light_levels: vec![Level::default(); description.lights.len()],
             environment_level: Level::default(),
+            environment_tint: Rgb::WHITE,
             backs: Backs::default(),
             lights: description.lights.clone(),
             environment: description.environment.clone().map(Arc::new),

@@ -261,7 +261,7 @@ impl Default for MaterialDescription {
 }
 
 /// `KHR_lights_punctual`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LightDescription {
     /// Name of the node or of the light.
     pub name: String,
@@ -269,6 +269,25 @@ pub struct LightDescription {
     pub world_from_light: Mat4,
     /// Kind of light and its strength.
     pub kind: LightKind,
+}
+
+impl LightKind {
+    /// Colour × intensity, in the unit of its kind.
+    #[must_use]
+    pub fn strength(&self) -> Rgb {
+        match *self {
+            Self::Point { intensity } | Self::Spot { intensity, .. } => intensity,
+            Self::Directional { irradiance } => irradiance,
+        }
+    }
+
+    /// The same with another colour × intensity.
+    pub fn set_strength(&mut self, strength: Rgb) {
+        match self {
+            Self::Point { intensity } | Self::Spot { intensity, .. } => *intensity = strength,
+            Self::Directional { irradiance } => *irradiance = strength,
+        }
+    }
 }
 
 /// Kinds of punctual light; 1 unit of the file is 1 unit here.

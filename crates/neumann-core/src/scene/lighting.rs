@@ -111,7 +111,8 @@ pub(super) fn lights(
     }
     if let Some(map) = &appearance.environment {
         let level = appearance.environment_level.factor();
-        lights.extend(EnvironmentLight::new(map, level).map(Light::Environment));
+        let tint = appearance.environment_tint;
+        lights.extend(EnvironmentLight::tinted(map, level, tint).map(Light::Environment));
     }
     let bounds = Bounds {
         center: 0.5 * (geometry.min + geometry.max),

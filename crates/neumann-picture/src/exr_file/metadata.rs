@@ -252,7 +252,7 @@ pub fn environment_text(environment: Option<&EnvironmentDescription>) -> String 
 /// Materials, punctual lights and levels of lights as a text that differs where they do.
 #[must_use]
 pub fn appearance_text(appearance: &Appearance) -> String {
-    let text = format!(
+    let mut text = format!(
         "{:?} {:?} {:?} {:?} {:?}",
         appearance.materials,
         appearance.lights,
@@ -260,6 +260,10 @@ pub fn appearance_text(appearance: &Appearance) -> String {
         appearance.light_levels,
         appearance.environment_level
     );
+    // Files that are older than this colour have none.
+    if appearance.environment_tint != Rgb::WHITE {
+        text += &format!(" {:?}", appearance.environment_tint);
+    }
     format!("{:016x}", fnv1a(text.bytes().map(u32::from)))
 }
 

@@ -2,14 +2,14 @@ use glam::{Mat4, Vec3};
 use neumann_core::film::{Features, Film};
 use neumann_core::memory::Share;
 use neumann_core::radiometry::Rgb;
-use neumann_core::scene::Backs;
 use neumann_core::scene::description::{
-    CameraDescription, EnvironmentDescription, Lens, Projection, SunDescription,
+    CameraDescription, EnvironmentDescription, Lens, Projection, SceneDescription, SunDescription,
 };
+use neumann_core::scene::{Appearance, Backs};
 
 use super::{
-    IterationRanges, Metadata, Precision, camera_text, environment_text, read_exr, read_layer,
-    read_layers, write_exr, write_exr_as, write_image_exr,
+    IterationRanges, Metadata, Precision, appearance_text, camera_text, environment_text, read_exr,
+    read_layer, read_layers, write_exr, write_exr_as, write_image_exr,
 };
 use crate::files::tests::TestFolder;
 use crate::state::State;
@@ -343,4 +343,8 @@ fn cameras_and_environments_differ_in_words_where_they_differ() {
     });
     assert_ne!(environment_text(Some(&sky)), environment_text(Some(&sunny)));
     assert_eq!(environment_text(None), "none");
+    let appearance = Appearance::new(&SceneDescription::default());
+    let mut tinted = appearance.clone();
+    tinted.environment_tint = Rgb::new(1.0, 1.0, 0.5);
+    assert_ne!(appearance_text(&appearance), appearance_text(&tinted));
 }

@@ -60,6 +60,7 @@ impl State {
             0.0,
             f32::MAX,
         )?;
+        shares("environment.tint", self.environment.tint)?;
         if let Some(magnified) = &self.magnified {
             range("magnified.zoom", magnified.zoom, 1e-3, 128.0)?;
         }
@@ -123,20 +124,21 @@ impl CameraState {
 
 impl MaterialEdit {
     fn check(&self, way: &str) -> Result<(), Wrong> {
-        let shares = [
-            ("base_color[0]", self.base_color[0]),
-            ("base_color[1]", self.base_color[1]),
-            ("base_color[2]", self.base_color[2]),
+        shares(&format!("{way}.base_color"), self.base_color)?;
+        for (name, value) in [
             ("roughness", self.roughness),
             ("metallic", self.metallic),
             ("specular", self.specular),
             ("transmission", self.transmission),
-        ];
-        for (name, value) in shares {
+        ] {
             range(&format!("{way}.{name}"), value, 0.0, 1.0)?;
         }
-        for (i, value) in self.emission.into_iter().enumerate() {
-            range(&format!("{way}.emission[{i}]"), value, 0.0, f32::MAX)?;
+        radiances(&format!("{way}.emission"), self.emission)?;
+        if let Some(color) = self.specular_color {
+            radiances(&format!("{way}.specular_color"), color)?;
+        }
+        if let Some(color) = self.attenuation_color {
+            shares(&format!("{way}.attenuation_color"), color)?;
         }
         range(&format!("{way}.ior"), self.ior, 0.0, 1e6)
     }
@@ -144,6 +146,9 @@ impl MaterialEdit {
 
 impl LevelEdit {
     fn check(&self, way: &str) -> Result<(), Wrong> {
+        if let Some(strength) = self.strength {
+            radiances(&format!("{way}.strength"), strength)?;
+        }
         range(&format!("{way}.brightness"), self.brightness, 0.0, f32::MAX)
     }
 }
@@ -165,6 +170,21 @@ fn whole(field: &str, value: usize, min: usize, max: usize) -> Result<(), Wrong>
         field,
         format!("{value} is out of range; use {min} to {max}"),
     )
+}
+
+/// Channels from 0 to 1.
+fn shares(field: &str, color: [Exact; 3]) -> Result<(), Wrong> {
+    channels(field, color, 1.0)
+}
+
+/// Channels from 0 on.
+fn radiances(field: &str, color: [Exact; 3]) -> Result<(), Wrong> {
+    channels(field, color, f32::MAX)
+}
+
+fn channels(field: &str, color: [Exact; 3], max: f32) -> Result<(), Wrong> {
+    let mut channels = color.into_iter().enumerate();
+    channels.try_for_each(|(i, value)| range(&format!("{field}[{i}]"), value, 0.0, max))
 }
 
 fn range(field: &str, value: Exact, min: f32, max: f32) -> Result<(), Wrong> {

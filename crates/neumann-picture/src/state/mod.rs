@@ -178,6 +178,8 @@ pub struct EnvironmentState {
     pub is_on: bool,
     /// Factor on it.
     pub brightness: Exact,
+    /// Linear colour that it is multiplied by.
+    pub tint: [Exact; 3],
 }
 
 /// What is other than in the scene's file.
@@ -213,6 +215,13 @@ pub struct MaterialEdit {
     pub ior: Exact,
     /// Radiance, W m⁻² sr⁻¹.
     pub emission: [Exact; 3],
+    /// Linear colour of the dielectric's reflection; as in the file where there is none.
+    #[serde(default)]
+    pub specular_color: Option<[Exact; 3]>,
+    /// Linear colour of light that has gone the volume's distance; as in the file where there is
+    /// none.
+    #[serde(default)]
+    pub attenuation_color: Option<[Exact; 3]>,
 }
 
 /// A light that shines otherwise.
@@ -226,6 +235,10 @@ pub struct LevelEdit {
     pub is_on: bool,
     /// Factor on what the file says.
     pub brightness: Exact,
+    /// Linear colour × intensity of a punctual light, in the unit of its kind; as in the file
+    /// where there is none. Emitters have theirs with their materials.
+    #[serde(default)]
+    pub strength: Option<[Exact; 3]>,
 }
 
 impl State {
@@ -343,6 +356,7 @@ impl Default for EnvironmentState {
             rotation: None,
             is_on: true,
             brightness: Exact(1.0),
+            tint: Exact::all([1.0; 3]),
         }
     }
 }

@@ -35,12 +35,15 @@ fn full() -> State {
         transmission: Exact(0.0),
         ior: Exact(1.5),
         emission: Exact::all([0.0; 3]),
+        specular_color: Some(Exact::all([1.5, 1.0, 0.5])),
+        attenuation_color: None,
     });
     state.edits.lights.push(LevelEdit {
         index: 0,
         name: "sun".to_owned(),
         is_on: false,
         brightness: Exact(2.0),
+        strength: Some(Exact::all([3.0, 2.0, 1.0])),
     });
     state
 }
@@ -63,6 +66,23 @@ fn what_is_left_out_is_as_usual() {
         ..State::default()
     };
     assert_eq!((state, warnings.len()), (usual, 0));
+}
+
+/// As they were written before lights, environment and reflections had colours.
+#[test]
+fn edits_without_newer_colours_are_read() {
+    let text = r#"{"scene": "cornell", "environment": {"sky": "sun", "brightness": 2},
+        "edits": {
+            "materials": [{"index": 1, "name": "red", "base_color": [0.1, 0.2, 0.3],
+                "roughness": 0.5, "metallic": 0, "specular": 1, "transmission": 0, "ior": 1.5,
+                "emission": [0, 0, 0]}],
+            "emitters": [],
+            "lights": [{"index": 0, "name": "sun", "is_on": true, "brightness": 3}]}}"#;
+    let (state, warnings) = State::parse(text).unwrap();
+    assert_eq!(warnings.len(), 0, "{warnings:?}");
+    assert_eq!(state.environment.tint, Exact::all([1.0; 3]));
+    assert_eq!(state.edits.lights[0].strength, None);
+    assert_eq!(state.edits.materials[0].specular_color, None);
 }
 
 #[test]
@@ -95,6 +115,10 @@ fn what_is_wrong_is_told_with_its_field() {
         (
             r#"{"scene": "cornell", "edits": {"lights": [{"index": 0}]}}"#,
             "edits.lights[0]",
+        ),
+        (
+            r#"{"scene": "cornell", "environment": {"tint": [1, 2, 0]}}"#,
+            "environment.tint[1]",
         ),
         (r#"{"scene": "cornell", "size": [3"#, "size"),
         ("", ""),

@@ -10,7 +10,9 @@ use crate::command_line;
 use crate::compared::Reference;
 use crate::display::{Against, image_area};
 use crate::keys::Action;
+use crate::notices::Offer;
 use crate::panels::Page;
+use crate::pick;
 use crate::save;
 use crate::scene_source::Wanted;
 use crate::shell::WindowRequest;
@@ -46,6 +48,8 @@ impl App {
             Action::Restart => self.session.setup.is_changed = true,
             Action::FitFilm => self.session.fit(),
             Action::FrameAll | Action::ResetCamera => self.move_camera(action),
+            Action::Undo | Action::Redo => self.undo_or_redo(ctx, action),
+            Action::Pick => self.pick(ctx),
             Action::Open => {
                 self.shell.show_page(Page::Scene);
                 self.shell.background.choose(Wanted::Scene);
@@ -66,7 +70,7 @@ impl App {
                 self.shell.text_scale.step(tenths);
                 let percent = 100.0 * self.shell.text_scale.factor();
                 let text = format!("Text at {percent:.0} % of its usual size");
-                self.shell.notices.remark_instead(ctx, "Text at ", text);
+                self.shell.notices.remark_instead(ctx, &["Text at "], text);
             }
             Action::Controls => match ctx.memory(|m| m.focused()) {
                 Some(id) => ctx.memory_mut(|m| m.surrender_focus(id)),
@@ -101,6 +105,43 @@ impl App {
                 notices.remark(ctx, text);
             }
             None => notices.failure("There is no scene yet to render by a command"),
+        }
+    }
+
+    /// Undoes the last edit of what is rendered, or does again what was undone; says which.
+    fn undo_or_redo(&mut self, ctx: &Context, action: Action) {
+        let session = &mut self.session;
+        let (done, word, verb) = match action {
+            Action::Undo => (session.history.undo(&mut session.setup), "Undid", "undo"),
+            _ => (session.history.redo(&mut session.setup), "Redid", "redo"),
+        };
+        let text = match done {
+            Some(what) => format!("{word}: {what}"),
+            None => format!("Nothing to {verb}"),
+        };
+        let notices = &mut self.shell.notices;
+        // A sky may have come back, or gone again.
+        let open = session.setup.open.as_ref();
+        let has_sky = open.is_some_and(|o| o.scene.appearance().environment.is_some());
+        notices.withdraw(|offer| match offer {
+            Offer::PutSkyBack(_) => has_sky,
+            Offer::RemoveSky => !has_sky,
+            _ => false,
+        });
+        notices.remark_instead(ctx, &["Undid: ", "Redid: ", "Nothing to "], text);
+    }
+
+    /// Shows the material under the pointer, or that in the middle of the picture.
+    fn pick(&mut self, ctx: &Context) {
+        let Some(placement) = &self.viewing.placement else {
+            return;
+        };
+        let pointer = ctx.input(|i| i.pointer.hover_pos());
+        let fraction = pointer.and_then(|at| placement.fraction(at));
+        let fraction = fraction.or_else(|| placement.fraction(placement.visible.center()));
+        let setup = &self.session.setup;
+        if let Some(picked) = fraction.and_then(|f| pick::at(setup, placement, f)) {
+            self.shell.show_picked(picked);
         }
     }
 
@@ -199,6 +240,8 @@ impl App {
             if let Some(id) = ctx.memory(|m| m.focused()) {
                 ctx.memory_mut(|m| m.surrender_focus(id));
             }
+        } else if egui::Popup::is_any_open(ctx) {
+            // The toolkit closes it.
         } else if self.shell.is_help_open {
             self.shell.is_help_open = false;
         } else if self.shell.is_menu_open {

@@ -45,6 +45,8 @@ pub struct App {
     loading: Option<Loading>,
     /// Level and turn of a map that is still being read.
     map_to_come: Option<EnvironmentState>,
+    /// A map that the command asked for is still being read.
+    awaits_map: bool,
     /// Size of texts in the last frame, and whether that was a presentation.
     look: (f32, bool),
     flight: Flight,
@@ -106,6 +108,7 @@ impl App {
             exposes_by_itself: false,
             loading: None,
             map_to_come: None,
+            awaits_map: false,
             look: (1.0, false),
             flight: Flight::default(),
         }
@@ -156,7 +159,9 @@ impl App {
         if self.flight.steer(&ctx, &mut self.session.setup) {
             let speed = significant(f64::from(self.flight.speed()), 2);
             let text = format!("Flying at {speed} scene radii a second");
-            self.shell.notices.remark_instead(&ctx, "Flying at ", text);
+            self.shell
+                .notices
+                .remark_instead(&ctx, &["Flying at "], text);
         }
         self.follow_exposure();
         self.session.refresh(&mut self.viewing.settings);
@@ -188,10 +193,15 @@ impl App {
             settings: &mut viewing.settings,
             placement: &mut viewing.placement,
             caption: Rect::NOTHING,
+            picked: None,
             notices: &mut self.shell.notices,
             opening: self.loading.as_ref().map(|l| &l.progress),
         };
         viewing.views.draw(ui, &mut stage_of_view);
+        if let Some(picked) = stage_of_view.picked {
+            self.shell.show_picked(picked);
+            ctx.request_repaint();
+        }
         self.measure(&ctx);
         if let Some(offer) = self.shell.notices.show(&ctx, stage) {
             self.accept(offer);
@@ -204,7 +214,9 @@ impl App {
             help::show(ui, &mut self.shell.is_help_open, &self.shell.places);
         }
         self.shell.had_focus = ctx.memory(|m| m.focused().is_some());
-        self.session.start_if_changed();
+        let session = &mut self.session;
+        session.history.follow(&ctx, &session.setup);
+        session.start_if_changed();
     }
 
     /// Has it measured how far the two pictures on the screen are apart.

@@ -112,8 +112,10 @@ impl App {
         let is_of_former = |o: &Offer| matches!(o, Offer::PutSkyBack(_)) || is_of_a_drop(o);
         self.shell.notices.withdraw(is_of_former);
         self.shell.material = None;
+        self.shell.picked = None;
         self.viewing.settings.zoom = None;
         self.map_to_come = None;
+        self.awaits_map = false;
         let is_first = std::mem::take(&mut self.is_first_scene);
         if let Some(state) = state {
             self.take_up(&state, is_first);
@@ -123,6 +125,7 @@ impl App {
         self.tell_warnings(&warnings);
         self.tell_of_sky();
         self.tell_of_backs();
+        self.session.history.begin(&self.session.setup);
     }
 
     /// Applies what the command said about its scene.
@@ -132,7 +135,10 @@ impl App {
             self.shell.notices.failure(complaint);
         }
         match self.options.environment.sky.clone() {
-            Some(SkyChoice::File(file)) => self.shell.background.open_environment(file),
+            Some(SkyChoice::File(file)) => {
+                self.awaits_map = true;
+                self.shell.background.open_environment(file);
+            }
             sky => setup.sky = sky,
         }
         setup.apply_environment(&self.options.environment);
@@ -254,10 +260,10 @@ impl App {
             Offer::RemoveSky => {
                 panels::remove_sky(&mut self.session.setup, &mut self.shell.notices);
             }
-            Offer::PutSkyBack(former) => self.session.setup.put_sky_back(former),
+            Offer::PutSkyBack(former) => self.session.setup.put_sky_back(&former),
             Offer::TakeAsReference(path, former) => {
                 if let Some(former) = former {
-                    self.session.setup.put_sky_back(former);
+                    self.session.setup.put_sky_back(&former);
                 }
                 self.shell.background.open_reference(path);
             }
@@ -292,9 +298,15 @@ impl App {
                 Arrival::NoDialog(wanted) => self.list_files(wanted),
                 Arrival::Dropped(wanted, path) => self.take_dropped_picture(wanted, path),
                 Arrival::Saved(Ok(text)) => self.shell.notices.remark(ctx, text),
-                Arrival::Environment(_, Err(error))
-                | Arrival::Reference(Err(error))
-                | Arrival::Saved(Err(error)) => self.shell.notices.failure(error),
+                Arrival::Environment(_, Err(error)) => {
+                    // Another map that comes later is no part of the opening.
+                    self.awaits_map = false;
+                    self.map_to_come = None;
+                    self.shell.notices.failure(error);
+                }
+                Arrival::Reference(Err(error)) | Arrival::Saved(Err(error)) => {
+                    self.shell.notices.failure(error);
+                }
             }
         }
     }
@@ -340,10 +352,15 @@ impl App {
         let setup = &mut self.session.setup;
         setup.take_map(path, file.environment);
         setup.apply_environment(&self.options.environment);
-        if let (Some(state), Some(open)) = (self.map_to_come.take(), &setup.open) {
+        let of_state = self.map_to_come.take();
+        let is_part_of_opening = std::mem::take(&mut self.awaits_map) || of_state.is_some();
+        if let (Some(state), Some(open)) = (of_state, &setup.open) {
             let mut appearance = open.scene.appearance().clone();
             state::take_environment(&state, &mut appearance);
             setup.dress(appearance);
+        }
+        if is_part_of_opening {
+            self.session.history.begin(&self.session.setup);
         }
     }
 
@@ -378,7 +395,7 @@ impl App {
         notices.withdraw(is_of_a_drop);
         if wanted == Wanted::Environment {
             let text = format!("{name} is taken for a sky, as it is twice as wide as high");
-            let former = self.session.setup.sky_as_it_is();
+            let former = self.session.setup.snapshot().map(Box::new);
             let offer = Offer::TakeAsReference(path.clone(), former);
             notices.offer(text, "Use as reference", offer);
             self.shell.background.open_environment(path);

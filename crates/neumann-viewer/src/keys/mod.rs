@@ -36,6 +36,12 @@ pub enum Action {
     FrameAll,
     /// Back to the file's camera.
     ResetCamera,
+    /// Undo the last edit.
+    Undo,
+    /// Redo what was undone last.
+    Redo,
+    /// The material under the pointer, or in the middle of the picture.
+    Pick,
     /// Change the exposure by so many thirds of a stop.
     Exposure(i32),
     /// Exposure follows the picture.
@@ -166,6 +172,10 @@ pub fn take_actions(ctx: &Context) -> Vec<Action> {
             let Some(binding) = places::binding(key, place, modifiers) else {
                 return true;
             };
+            if is_typing && matches!(binding.action, Action::Undo | Action::Redo) {
+                // A text field undoes what is typed into it.
+                return true;
+            }
             has_taken_tab |= key == Key::Tab;
             actions.push(binding.action);
             // Escape must reach a text field that has the keyboard.

@@ -129,10 +129,26 @@ pub static HELP: &[HelpLine] = &[
         "restart",
         &[on(NONE, Key::R, Action::Restart)],
     ),
+    line(
+        RENDERING,
+        "Ctrl Z  Ctrl Y",
+        "undo, redo (or Ctrl Shift Z)",
+        &[
+            on(CTRL, Key::Z, Action::Undo),
+            on(CTRL, Key::Y, Action::Redo),
+            on(CTRL.plus(SHIFT), Key::Z, Action::Redo),
+        ],
+    ),
     line(CAMERA, "drag", "orbit", &[]),
     line(CAMERA, "Shift drag", "pan (or the middle button)", &[]),
     line(CAMERA, "wheel", "dolly", &[]),
     line(CAMERA, "Ctrl click", "focus the lens there", &[]),
+    line(
+        CAMERA,
+        "Shift click",
+        "show the material there (Shift I)",
+        &[on(SHIFT, Key::I, Action::Pick)],
+    ),
     line(CAMERA, "W A S D", "fly; PgUp PgDn up and down", &[]),
     line(CAMERA, "wheel with them", "fly faster, slower", &[]),
     line(

@@ -4,7 +4,7 @@ use egui::Ui;
 
 use crate::keys::Action;
 use crate::session::Session;
-use crate::setup::{FilmSize, Setup};
+use crate::setup::{FilmSize, Setup, name_or};
 use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::widgets::{
@@ -12,7 +12,7 @@ use crate::widgets::{
 };
 
 pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
-    let setup = &mut session.setup;
+    let Session { setup, history, .. } = session;
     heading(ui, "Camera");
     let n_cameras = cameras(ui, setup);
     let aspect = setup.size.0.max(1) as f32 / setup.size.1.max(1) as f32;
@@ -44,6 +44,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
             is_changed = true;
         }
     });
+    super::history::show(ui, history, shell);
     ui.add_space(GRID);
     if let Some(fov) = control.fov() {
         let mut degrees = f64::from(fov.to_degrees());
@@ -91,11 +92,7 @@ fn cameras(ui: &mut Ui, setup: &mut Setup) -> usize {
     let mut chosen = None;
     if cameras.len() > 1 {
         for (i, camera) in cameras.iter().enumerate() {
-            let name = if camera.name.is_empty() {
-                format!("Camera {i}")
-            } else {
-                camera.name.clone()
-            };
+            let name = name_or(&camera.name, "Camera", i);
             if row_button(ui, &name, "", i == open.camera).clicked() {
                 chosen = Some(i);
             }

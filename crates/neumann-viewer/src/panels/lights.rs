@@ -4,13 +4,17 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::Ui;
+use neumann_core::radiometry::Rgb;
 use neumann_core::scene::{Appearance, Level, Sky};
 
 use crate::notices::{Notices, Offer};
+use crate::pick::Picked;
 use crate::scene_source::Wanted;
-use crate::setup::Setup;
+use crate::setup::{Setup, name_or};
 use crate::shell::Shell;
-use crate::widgets::{Slider, button, explained_choice, fold, hint, path_field, switch};
+use crate::widgets::{
+    Slider, button, explained_choice, fold, fold_opened, hint, hue_row, path_field, settled, switch,
+};
 
 pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
     let Some(open) = &setup.open else { return };
@@ -21,7 +25,8 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
             edited = Some(appearance);
         }
     }
-    if fold(ui, "Environment", false) {
+    let reveals = shell.reveals_pick && shell.picked == Some(Picked::Sky);
+    if fold_opened(ui, "Environment", false, reveals) {
         let are_lights_edited = edited.is_some();
         let mut appearance = edited.unwrap_or_else(|| open.scene.appearance().clone());
         let is_changed = environment(ui, setup, shell, &mut appearance);
@@ -34,7 +39,7 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
 
 /// Takes the sky away, says what that means, and offers to put it back.
 pub(crate) fn remove_sky(setup: &mut Setup, notices: &mut Notices) {
-    let Some(former) = setup.sky_as_it_is() else {
+    let Some(former) = setup.snapshot() else {
         return;
     };
     notices.withdraw(|o| matches!(o, Offer::RemoveSky | Offer::PutSkyBack(_)));
@@ -48,51 +53,54 @@ pub(crate) fn remove_sky(setup: &mut Setup, notices: &mut Notices) {
     } else {
         "The sky is removed"
     };
-    notices.offer(text, "Put back", Offer::PutSkyBack(former));
+    notices.offer(text, "Put back", Offer::PutSkyBack(Box::new(former)));
 }
 
 fn lights(ui: &mut Ui, appearance: &mut Appearance) -> bool {
     /// More would make the panel a phone book.
     const MOST: usize = 24;
+    let materials = appearance.materials.iter().enumerate();
+    let emitters = materials.filter(|(_, material)| !material.emission.is_black());
+    let emitters: Vec<usize> = emitters.map(|(i, _)| i).collect();
+    // A material becomes a light, or no longer is one, while its emission is dragged further down.
+    let emitters = settled(ui, "emitters", emitters);
+    let n_lights = emitters.len() + appearance.lights.len();
     let mut is_changed = false;
-    let mut n_shown = 0;
-    let mut n_lights = 0;
-    let emitters = appearance
-        .materials
-        .iter()
-        .zip(&mut appearance.material_levels)
-        .enumerate()
-        .filter(|(_, (m, _))| !m.emission.is_black())
-        .map(|(i, (m, level))| (("Material", i, m.name.clone()), level));
-    let punctual = appearance
+    for i in emitters.iter().copied().take(MOST) {
+        let level = appearance.material_levels.get_mut(i);
+        if let (Some(material), Some(level)) = (appearance.materials.get_mut(i), level) {
+            let name = name_or(&material.name, "Material", i);
+            let color = &mut material.emission;
+            let row = ui.push_id(("Material", i), |ui| light_row(ui, &name, level, color));
+            is_changed |= row.inner;
+        }
+    }
+    let lights = appearance
         .lights
-        .iter()
-        .zip(&mut appearance.light_levels)
-        .enumerate()
-        .map(|(i, (light, level))| (("Light", i, light.name.clone()), level));
-    for ((kind, i, name), level) in emitters.chain(punctual) {
-        n_lights += 1;
-        if n_shown < MOST {
-            n_shown += 1;
-            let name = if name.is_empty() {
-                format!("{kind} {i}")
-            } else {
-                name
-            };
-            is_changed |= ui
-                .push_id((kind, i), |ui| level_row(ui, &name, level))
-                .inner;
+        .iter_mut()
+        .zip(&mut appearance.light_levels);
+    let room = MOST.saturating_sub(emitters.len());
+    for (i, (light, level)) in lights.enumerate().take(room) {
+        let name = name_or(&light.name, "Light", i);
+        let mut strength = light.kind.strength();
+        let row = ui.push_id(("Light", i), |ui| {
+            light_row(ui, &name, level, &mut strength)
+        });
+        if row.inner {
+            light.kind.set_strength(strength);
+            is_changed = true;
         }
     }
     if n_lights == 0 {
         hint(ui, "None but the environment");
-    } else if n_lights > n_shown {
-        hint(ui, &format!("And {} more", n_lights - n_shown));
+    } else if n_lights > MOST {
+        hint(ui, &format!("And {} more", n_lights - MOST));
     }
     is_changed
 }
 
-fn level_row(ui: &mut Ui, name: &str, level: &mut Level) -> bool {
+/// A light: on or off, brightness, colour.
+fn light_row(ui: &mut Ui, name: &str, level: &mut Level, color: &mut Rgb) -> bool {
     let mut is_changed = switch(ui, name, &mut level.is_on).changed();
     if level.is_on {
         let mut brightness = f64::from(level.brightness);
@@ -103,6 +111,7 @@ fn level_row(ui: &mut Ui, name: &str, level: &mut Level) -> bool {
             level.brightness = brightness as f32;
             is_changed = true;
         }
+        is_changed |= hue_row(ui, "Colour", name, color, "Colour of the light.");
     }
     is_changed
 }
@@ -143,7 +152,11 @@ fn environment(
     if let Some(map) = &appearance.environment {
         hint(ui, &format!("{}, {} × {}", map.name, map.width, map.height));
         let mut rotation = f64::from(map.rotation.to_degrees());
-        is_changed |= level_row(ui, "Environment light", &mut appearance.environment_level);
+        let (level, tint) = (
+            &mut appearance.environment_level,
+            &mut appearance.environment_tint,
+        );
+        is_changed |= light_row(ui, "Environment light", level, tint);
         let slider = Slider::new("Rotation", -180.0, 180.0)
             .unit("°")
             .default(0.0);

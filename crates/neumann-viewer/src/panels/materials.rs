@@ -2,44 +2,57 @@
 
 use egui::Ui;
 use neumann_core::radiometry::Rgb;
+use neumann_core::scene::Scene;
 use neumann_core::scene::description::MaterialDescription;
 
-use crate::setup::Setup;
-use crate::widgets::{Slider, button, color_sliders, fold, hint, row_button};
+use crate::pick::Picked;
+use crate::setup::{Setup, name_or};
+use crate::shell::Shell;
+use crate::widgets::{
+    Slider, button, color_row, color_sliders, fold_opened, hint, hue_row, paragraph, row_button,
+    settled,
+};
 
-pub(super) fn show(ui: &mut Ui, setup: &mut Setup, edited_one: &mut Option<usize>) {
+pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
     let Some(open) = &setup.open else { return };
-    if !fold(ui, "Materials", false) {
+    let reveals = shell.reveals_pick && matches!(shell.picked, Some(Picked::Surface { .. }));
+    if !fold_opened(ui, "Materials", false, reveals) {
         return;
     }
     let appearance = open.scene.appearance();
-    // The last one is the default of meshes without a material.
-    let n_materials = appearance.materials.len().saturating_sub(1);
+    let n_materials = n_listed(&open.scene);
     if n_materials == 0 {
         hint(ui, "the file has none");
     }
     let mut edited: Option<(usize, MaterialDescription)> = None;
     for (i, material) in appearance.materials.iter().take(n_materials).enumerate() {
-        let name = if material.name.is_empty() {
-            format!("material {i}")
-        } else {
-            material.name.clone()
-        };
-        let is_chosen = *edited_one == Some(i);
+        let name = name_or(&material.name, "Material", i);
+        let is_chosen = shell.material == Some(i);
         let original = open.original.materials.get(i);
         let remark = if original == Some(material) {
             ""
         } else {
             "edited"
         };
-        if row_button(ui, &name, remark, is_chosen).clicked() {
-            *edited_one = (!is_chosen).then_some(i);
+        let row = row_button(ui, &name, remark, is_chosen);
+        if row.clicked() {
+            shell.material = (!is_chosen).then_some(i);
         }
-        if is_chosen {
-            let mut changed = material.clone();
-            if ui.push_id(i, |ui| editor(ui, &mut changed, original)).inner {
-                edited = Some((i, changed));
-            }
+        if !is_chosen {
+            continue;
+        }
+        if reveals {
+            row.scroll_to_me(Some(egui::Align::Min));
+        }
+        if let Some(Picked::Surface { material, place }) = &shell.picked
+            && *material == i
+        {
+            paragraph(ui, place);
+        }
+        let mut changed = material.clone();
+        let edits = ui.push_id(i, |ui| editor(ui, &name, &mut changed, original));
+        if edits.inner {
+            edited = Some((i, changed));
         }
     }
     if let Some((i, material)) = edited {
@@ -49,15 +62,30 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, edited_one: &mut Option<usize
     }
 }
 
+/// The last material is the default of meshes without one; it is listed where there are some.
+fn n_listed(scene: &Scene) -> usize {
+    let n = scene.appearance().materials.len();
+    let mut meshes = scene.geometry().meshes().iter();
+    let is_used = meshes.any(|mesh| mesh.material as usize + 1 == n);
+    if is_used { n } else { n.saturating_sub(1) }
+}
+
 /// The controls of one material; true when it was changed.
 fn editor(
     ui: &mut Ui,
+    name: &str,
     material: &mut MaterialDescription,
     original: Option<&MaterialDescription>,
 ) -> bool {
-    let mut is_changed = color_sliders(ui, "Base colour", &mut material.base_color, 1.0);
     let default = MaterialDescription::default();
     let original = original.unwrap_or(&default);
+    let mut is_changed = color_sliders(
+        ui,
+        "Base colour",
+        name,
+        &mut material.base_color,
+        "Multiplies the texture of the base colour, if there is one.",
+    );
     let mut number = |name: &str, value: &mut f32, home: f32, min: f64, max: f64| {
         let mut wide = f64::from(*value);
         let slider = Slider::new(name, min, max).default(f64::from(home));
@@ -101,27 +129,70 @@ fn editor(
         1.0,
         3.0,
     );
-    let mut strength = f64::from(material.emission.max_channel());
-    let emission = Slider::new("Emission", 0.0, 1000.0)
-        .logarithmic(true)
-        .default(f64::from(original.emission.max_channel()))
-        .about("Radiance of the brightest channel, W m⁻² sr⁻¹.");
-    if emission.show(ui, &mut strength).changed() {
-        material.emission = with_strength(material.emission, original.emission, strength as f32);
-        is_changed = true;
+    is_changed |= color_row(
+        ui,
+        "Specular colour",
+        name,
+        &mut material.specular_color,
+        "Colour of the dielectric's reflection at normal incidence.",
+    );
+    if let Some(volume) = &mut material.volume
+        && volume.attenuation_distance.is_finite()
+    {
+        is_changed |= color_row(
+            ui,
+            "Volume colour",
+            name,
+            &mut volume.attenuation_color,
+            "Transmittance of the inside over its attenuation distance.",
+        );
     }
-    if material != original && button(ui, "As in the file").clicked() {
+    is_changed |= emission(ui, name, material, original);
+    let is_edited = settled(ui, "edited", material != original);
+    if is_edited && button(ui, "As in the file").clicked() {
         material.clone_from(original);
         is_changed = true;
     }
     is_changed
 }
 
-/// The same hue with another largest channel; that of the file, or white, where there was none.
-fn with_strength(now: Rgb, original: Rgb, strength: f32) -> Rgb {
-    let hue = [now, original]
-        .into_iter()
-        .find(|c| !c.is_black())
-        .unwrap_or(Rgb::WHITE);
+/// Emission: its strength, and its colour apart from it.
+fn emission(
+    ui: &mut Ui,
+    name: &str,
+    material: &mut MaterialDescription,
+    original: &MaterialDescription,
+) -> bool {
+    let key = ui.scope_id().with("hue of emission");
+    let kept = ui.data(|d| d.get_temp::<[f32; 3]>(key));
+    let kept = kept.map_or(Rgb::BLACK, |[r, g, b]| Rgb::new(r, g, b));
+    let mut strength = f64::from(material.emission.max_channel());
+    let slider = Slider::new("Emission", 0.0, 1000.0)
+        .logarithmic(true)
+        .default(f64::from(original.emission.max_channel()))
+        .about("Radiance of the brightest channel, W m⁻² sr⁻¹.");
+    let mut is_changed = slider.show(ui, &mut strength).changed();
+    if is_changed {
+        let hues = [material.emission, kept, original.emission];
+        material.emission = with_strength(hues, strength as f32);
+    }
+    is_changed |= hue_row(
+        ui,
+        "Emission colour",
+        name,
+        &mut material.emission,
+        "Colour of what the material emits.",
+    );
+    // A lamp that is turned down to nothing comes back with its colour.
+    if !material.emission.is_black() {
+        ui.data_mut(|d| d.insert_temp(key, material.emission.to_array()));
+    }
+    is_changed
+}
+
+/// The first hue that is one, white otherwise, with that largest channel.
+fn with_strength(hues: [Rgb; 3], strength: f32) -> Rgb {
+    let hue = hues.into_iter().find(|c| !c.is_black());
+    let hue = hue.unwrap_or(Rgb::WHITE);
     hue * (strength / hue.max_channel())
 }

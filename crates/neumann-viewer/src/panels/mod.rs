@@ -2,6 +2,7 @@
 
 mod camera;
 mod display;
+mod history;
 mod lights;
 mod materials;
 mod method;
@@ -82,14 +83,16 @@ pub fn show(
                     let margin = Margin::symmetric(GRID as i8, 0);
                     egui::Frame::new().inner_margin(margin).show(ui, |ui| {
                         ui.set_width(ui.available_width());
-                        match shell.page {
+                        let page = shell.page;
+                        match page {
                             Page::Method => method::show(ui, session, &viewing.views, shell),
-                            Page::Scene => scene::show(ui, &mut session.setup, shell),
+                            Page::Scene => scene::show(ui, session, shell),
                             Page::Camera => camera::show(ui, session, shell),
                             Page::Display => {
                                 display::show(ui, session, &mut viewing.settings, shell);
                             }
                         }
+                        shell.reveals_pick &= page != Page::Scene;
                         ui.add_space(2.0 * GRID);
                     });
                 });

@@ -6,14 +6,16 @@ use neumann_core::scene::builtin::BUILTINS;
 
 use crate::notices::{Notices, Offer};
 use crate::scene_source::Wanted;
+use crate::session::Session;
 use crate::setup::Setup;
 use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::widgets::{
-    button, fact, fold, heading, hint, paragraph, path_field, row_button, switch,
+    button, fact, fold, heading, hint, paragraph, path_field, row_button, rule, settled, switch,
 };
 
-pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
+pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
+    let setup = &mut session.setup;
     about(ui, setup);
     ui.add_space(GRID);
     let is_entered = path_field(ui, "Path of a scene", &mut shell.fields.scene);
@@ -49,9 +51,17 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
         }
     }
     if setup.open.is_some() {
+        rule(ui);
+        heading(ui, "Edits");
+        paragraph(
+            ui,
+            "Shift and a click on the picture show the material there.",
+        );
+        ui.add_space(GRID / 2.0);
+        super::history::show(ui, &session.history, shell);
         backs(ui, setup, &mut shell.notices);
         super::lights::show(ui, setup, shell);
-        super::materials::show(ui, setup, &mut shell.material);
+        super::materials::show(ui, setup, shell);
         warnings(ui, setup);
     }
 }
@@ -89,7 +99,8 @@ fn about(ui: &mut Ui, setup: &Setup) {
 /// Whether the camera looks through the backs of single-sided surfaces, where there are any.
 fn backs(ui: &mut Ui, setup: &mut Setup, notices: &mut Notices) {
     let Some(open) = &setup.open else { return };
-    if !open.scene.has_backs() {
+    // Glass has no back: a material that is made transparent may have been the last one with one.
+    if !settled(ui, "backs", open.scene.has_backs()) {
         return;
     }
     let mut is_on = open.scene.appearance().backs == Backs::SeeThrough;

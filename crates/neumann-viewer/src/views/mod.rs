@@ -23,6 +23,7 @@ use crate::display::ViewSettings;
 use crate::display::image_area::Placement;
 use crate::keys::HelpLine;
 use crate::notices::Notices;
+use crate::pick::Picked;
 use crate::probe::{self, Reading};
 use crate::session::Session;
 use crate::setup::Setup;
@@ -112,6 +113,8 @@ pub struct Stage<'a> {
     pub placement: &'a mut Option<Placement>,
     /// What the caption of the view covers, if it has one.
     pub caption: Rect,
+    /// What was picked on it in this frame.
+    pub picked: Option<Picked>,
     /// What there is to say.
     pub notices: &'a mut Notices,
     /// How far a scene is that is being opened.

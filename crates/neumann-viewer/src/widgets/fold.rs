@@ -7,15 +7,23 @@ use crate::theme::{self, GRID, Palette};
 
 /// Draws the heading; yields whether what belongs to it is to be shown.
 pub fn fold(ui: &mut Ui, name: &str, is_open_at_first: bool) -> bool {
+    fold_opened(ui, name, is_open_at_first, false)
+}
+
+/// The same; `opens` opens it, and scrolls to it.
+pub fn fold_opened(ui: &mut Ui, name: &str, is_open_at_first: bool, opens: bool) -> bool {
     let p = Palette::of(ui);
     super::rule(ui);
     let size = Vec2::new(ui.available_width(), 28.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     let key = ui.scope_id().with(("fold", name));
     let mut is_open = ui.data(|d| d.get_temp(key)).unwrap_or(is_open_at_first);
-    if response.clicked() {
+    if response.clicked() || (opens && !is_open) {
         is_open = !is_open;
         ui.data_mut(|d| d.insert_temp(key, is_open));
+    }
+    if opens {
+        response.scroll_to_me(Some(egui::Align::Min));
     }
     let color = if response.hovered() { p.strong } else { p.text };
     let font = theme::semibold();

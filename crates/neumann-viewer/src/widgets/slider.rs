@@ -20,6 +20,20 @@ pub struct Slider<'a> {
     zero: &'a str,
 }
 
+/// Where a knob was taken.
+#[derive(Clone, Copy, Debug)]
+struct Grip {
+    /// From the pointer to the middle of the knob, points.
+    offset: f32,
+    /// The knob has followed the pointer.
+    has_moved: bool,
+    /// Where the pointer was when it was taken.
+    x: f32,
+}
+
+/// Half the width of a knob, points.
+const KNOB: f32 = 6.0;
+
 impl<'a> Slider<'a> {
     /// A slider from `min` to `max`.
     #[must_use]
@@ -122,9 +136,9 @@ impl<'a> Slider<'a> {
         painter.rect_filled(bar(track.left(), track.right()), 1, p.line);
         painter.rect_filled(bar(track.left(), x), 1, p.fill);
         let radius = if response.hovered() || response.dragged() {
-            6.0
+            KNOB
         } else {
-            5.0
+            KNOB - 1.0
         };
         painter.circle_filled(pos2(x, y), radius, p.strong);
         focus_ring(
@@ -157,11 +171,7 @@ impl<'a> Slider<'a> {
     }
 
     fn take_input(&self, ui: &Ui, response: &Response, track: Rect, value: &mut f64) {
-        if let Some(pointer) = response.interact_pointer_pos() {
-            let width = (track.width() - 10.0).max(1.0);
-            let fraction = f64::from((pointer.x - track.left() - 5.0) / width);
-            *value = self.at_fraction(fraction.clamp(0.0, 1.0));
-        }
+        self.take_pointer(ui, response, track, value);
         if response.double_clicked()
             && let Some(default) = self.default
         {
@@ -193,6 +203,36 @@ impl<'a> Slider<'a> {
                 None => self.at_fraction(self.fraction(*value) + steps as f64 * 0.02),
             };
         }
+    }
+
+    /// The knob goes where the pointer is; taken by itself, it stays where it was taken, and a
+    /// press alone changes nothing.
+    fn take_pointer(&self, ui: &Ui, response: &Response, track: Rect, value: &mut f64) {
+        let grip = response.id.with("grip");
+        let Some(pointer) = response.interact_pointer_pos() else {
+            ui.data_mut(|d| d.remove::<Grip>(grip));
+            return;
+        };
+        let width = (track.width() - 10.0).max(1.0);
+        let (left, knob) = (track.left() + 5.0, self.fraction(*value) as f32);
+        let knob = left + width * knob;
+        let taken = ui.data(|d| d.get_temp::<Grip>(grip)).unwrap_or_else(|| {
+            let offset = knob - pointer.x;
+            let taken = Grip {
+                offset: if offset.abs() <= KNOB { offset } else { 0.0 },
+                has_moved: offset.abs() > KNOB,
+                x: pointer.x,
+            };
+            ui.data_mut(|d| d.insert_temp(grip, taken));
+            taken
+        });
+        if !taken.has_moved && pointer.x == taken.x {
+            return;
+        }
+        let has_moved = true;
+        ui.data_mut(|d| d.insert_temp(grip, Grip { has_moved, ..taken }));
+        let fraction = f64::from((pointer.x + taken.offset - left) / width);
+        *value = self.at_fraction(fraction);
     }
 
     fn reset_button(&self, ui: &Ui, spot: Rect, value: &mut f64) {

@@ -4,6 +4,7 @@
 
 mod compared;
 mod controls;
+mod edits;
 mod files;
 mod film;
 mod series;

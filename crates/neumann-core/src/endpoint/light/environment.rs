@@ -25,7 +25,8 @@ use crate::scene::description::{EnvironmentDescription, SunDescription};
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
     map: Arc<EnvironmentDescription>,
-    intensity: f32,
+    /// Multiplies the texels.
+    intensity: Rgb,
     sin_rotation: f32,
     cos_rotation: f32,
     distribution: Distribution,
@@ -62,6 +63,12 @@ impl EnvironmentLight {
     /// A light from a map; `None` if it is black. `brightness` multiplies its intensity.
     #[must_use]
     pub fn new(map: &Arc<EnvironmentDescription>, brightness: f32) -> Option<Self> {
+        Self::tinted(map, brightness, Rgb::WHITE)
+    }
+
+    /// The same, its radiance multiplied by a colour.
+    #[must_use]
+    pub fn tinted(map: &Arc<EnvironmentDescription>, brightness: f32, tint: Rgb) -> Option<Self> {
         let rows = if map.height == 1 {
             MIN_ROWS
         } else {
@@ -76,6 +83,7 @@ impl EnvironmentLight {
         let intensity = map.intensity * brightness;
         let mut fluence = [0f64; 3];
         let mut add = |mean: Rgb, w: f64| {
+            let mean = mean * tint;
             for (sum, c) in fluence.iter_mut().zip(mean.to_array()) {
                 *sum += f64::from(c) * w;
             }
@@ -87,7 +95,7 @@ impl EnvironmentLight {
                 add(first, solid_angle(y));
             }
             fluence = fluence.map(|c| c * columns as f64);
-            Distribution::Uniform(first * intensity)
+            Distribution::Uniform(first * (tint * intensity))
         } else {
             let mut means = Means::new(map, rows);
             Distribution::Texels(Grid2::from_rows(columns, rows, |y, weights| {
@@ -99,12 +107,17 @@ impl EnvironmentLight {
         };
         let sin_cos = map.rotation.sin_cos();
         let map_power = fluence.iter().sum::<f64>() as f32 / 3.0;
-        let sun = map.sun.and_then(|sun| Sun::new(&sun, sin_cos, map_power));
+        let tinted = |sun: SunDescription| SunDescription {
+            radiance: sun.radiance * tint,
+            ..sun
+        };
+        let sun = map.sun.map(tinted);
+        let sun = sun.and_then(|sun| Sun::new(&sun, sin_cos, map_power));
         let fluence = sun.map_or(Rgb::BLACK, |sun| sun.radiance / sun.pdf_w)
             + Rgb::from(fluence.map(|c| c as f32));
         (intensity > 0.0 && !fluence.is_black()).then(|| Self {
             map: Arc::clone(map),
-            intensity,
+            intensity: tint * intensity,
             sin_rotation: sin_cos.0,
             cos_rotation: sin_cos.1,
             distribution,
@@ -450,6 +463,40 @@ mod tests {
                 "half of the disk by area: {inner}"
             );
         }
+    }
+
+    /// A colour multiplies map and sun alike, and what is drawn follows it.
+    #[test]
+    fn a_tint_multiplies_radiance_and_white_changes_no_bit() {
+        let texels = vec![Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.3, 0.7)];
+        let map = Arc::new(EnvironmentDescription {
+            width: 2,
+            height: 1,
+            texels: texels.into(),
+            sun: Some(SunDescription {
+                direction: Vec3::Y,
+                angular_radius: 0.2,
+                radiance: Rgb::new(3.0, 2.0, 1.0),
+            }),
+            ..EnvironmentDescription::uniform(Rgb::BLACK)
+        });
+        let plain = EnvironmentLight::new(&map, 0.7).unwrap();
+        let tint = Rgb::new(1.0, 0.25, 0.5);
+        let tinted = EnvironmentLight::tinted(&map, 0.7, tint).unwrap();
+        for u in [[0.1, 0.3], [0.6, 0.9], [0.95, 0.2], [0.4, 0.01]] {
+            let (wi, pdf_w) = tinted.sample(u).unwrap();
+            assert_eq!(pdf_w, tinted.pdf_w(wi));
+            let expected = plain.radiance(wi) * tint;
+            let found = tinted.radiance(wi).to_array();
+            let apart = expected.to_array().into_iter().zip(found);
+            for (a, b) in apart {
+                assert!((a - b).abs() < 1e-6, "{a} {b}");
+            }
+        }
+        let least = |light: &EnvironmentLight| light.fluence.to_array().map(f32::to_bits);
+        let white = EnvironmentLight::tinted(&map, 0.7, Rgb::WHITE).unwrap();
+        assert_eq!(least(&white), least(&plain));
+        assert!(EnvironmentLight::tinted(&map, 0.7, Rgb::BLACK).is_none());
     }
 
     #[test]

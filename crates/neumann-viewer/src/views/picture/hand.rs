@@ -2,10 +2,10 @@
 
 use egui::{CursorIcon, PointerButton, Pos2, Response, Ui, Vec2};
 use glam::Vec2 as Plane;
-use neumann_core::endpoint::Camera;
 use neumann_core::transport::Tracer;
 
 use crate::display::image_area::{self, Placement};
+use crate::pick;
 use crate::views::Stage;
 
 /// Moves camera and picture as the pointer asks.
@@ -30,6 +30,12 @@ pub(super) fn take_pointer(
     }
     if response.clicked() && modifiers.command {
         focus_at(response.interact_pointer_pos(), placement, stage);
+        return;
+    }
+    if response.clicked() && modifiers.shift {
+        let at = response.interact_pointer_pos();
+        let fraction = at.and_then(|at| placement.fraction(at));
+        stage.picked = fraction.and_then(|f| pick::at(&stage.session.setup, placement, f));
         return;
     }
     let drag = response.drag_delta();
@@ -69,18 +75,12 @@ pub(super) fn take_pointer(
 /// Focuses the lens on what is seen at a place of the screen.
 fn focus_at(at: Option<Pos2>, placement: &Placement, stage: &mut Stage<'_>) {
     let setup = &mut stage.session.setup;
-    let (Some(fraction), Some(open), Some(control)) = (
-        at.and_then(|at| placement.fraction(at)),
-        &setup.open,
-        &mut setup.camera,
-    ) else {
+    let fraction = at.and_then(|at| placement.fraction(at));
+    let sight = fraction.and_then(|fraction| pick::sight(setup, placement, fraction));
+    let (Some((camera, ray)), Some(open), Some(control)) = (sight, &setup.open, &mut setup.camera)
+    else {
         return;
     };
-    let (w, h) = placement.size;
-    let camera = Camera::new(control.camera(), w, h);
-    let raster = Plane::new(fraction[0] * w as f32, fraction[1] * h as f32);
-    // The middle of the lens.
-    let ray = camera.ray(raster, [0.5, 0.5]).ray;
     let Some(vertex) = Tracer::new(&open.scene).vertex(&ray) else {
         stage.notices.failure("Nothing to focus on there");
         return;

@@ -140,6 +140,8 @@ static STUMBLING: Method = Method {
     name: "",
     about: "",
     blind_spots: "",
+    formula: "",
+    pseudo_code: "",
     sight: Sight::FULL,
     bias: None,
     has_techniques: false,

@@ -28,6 +28,8 @@ static OCCLUSION: Method = Method {
     name: "Ambient occlusion",
     about: "How much of the hemisphere above a surface is open.",
     blind_spots: "Light.",
+    formula: "V / 1,  p = cos θ / π",
+    pseudo_code: "ω = a direction in proportion to its cosine\nadd V along ω, up to 1 metre",
     sight: Sight::FULL,
     bias: Some("it is no solution of the rendering equation"),
     has_techniques: false,

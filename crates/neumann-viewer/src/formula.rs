@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, Galley, Painter, Pos2, Vec2};
+use egui::{Color32, Galley, Painter, Pos2, Role, Sense, Ui, Vec2, WidgetInfo};
 use neumann_core::film::View;
 
 use crate::theme;
@@ -79,6 +79,13 @@ impl Formula {
         Self::layout(painter, &text, size, color)
     }
 
+    /// A formula as it is typed: `_` is before an index, `^` before an exponent, of one word or, in
+    /// braces, of anything.
+    #[must_use]
+    pub fn typed(painter: &Painter, text: &str, size: f32, color: Color32) -> Self {
+        Self::layout(painter, &pieces(text), size, color)
+    }
+
     /// Paints with the top left corner of its box at `at`.
     pub fn paint(&self, painter: &Painter, at: Pos2) {
         for (offset, galley) in &self.pieces {
@@ -119,6 +126,63 @@ impl Formula {
     }
 }
 
+/// Lines of formulas one below the other, made smaller where the widest has no room; read out as
+/// they are typed.
+pub fn lines(ui: &mut Ui, text: &str, color: Color32) {
+    const SMALLEST: f32 = 0.7;
+    let full = theme::small().size;
+    let widest = |size| {
+        let widths = text.lines().map(|line| {
+            let formula = Formula::typed(ui.painter(), line.trim_start(), size, color);
+            formula.size.x + indent(line, size)
+        });
+        widths.fold(0.0, f32::max)
+    };
+    let scale = (ui.available_width() / widest(full)).clamp(SMALLEST, 1.0);
+    let size = full * scale;
+    let step = (size * 1.6).round();
+    let height = step * text.lines().count() as f32;
+    let (rect, response) =
+        ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
+    for (line, y) in text.lines().zip(0..) {
+        let at = rect.min + Vec2::new(indent(line, size), step * y as f32);
+        let formula = Formula::typed(ui.painter(), line.trim_start(), size, color);
+        formula.paint(ui.painter(), at);
+    }
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
+}
+
+/// How far a line is indented.
+fn indent(line: &str, size: f32) -> f32 {
+    let n_spaces = line.chars().take_while(|c| *c == ' ').count();
+    n_spaces as f32 * size * 0.55
+}
+
+/// A typed formula, piece by piece.
+fn pieces(text: &str) -> Vec<(String, Place)> {
+    let mut pieces = Vec::new();
+    let mut rest = text;
+    while let Some(at) = rest.find(['_', '^']) {
+        let place = if rest[at..].starts_with('_') {
+            Place::Index
+        } else {
+            Place::Exponent
+        };
+        pieces.push((rest[..at].to_owned(), Place::Line));
+        let script = &rest[at + 1..];
+        let in_braces = script.strip_prefix('{').and_then(|s| s.split_once('}'));
+        let (script, after) = in_braces.unwrap_or_else(|| {
+            let is_over = |c: char| !c.is_alphabetic() && !c.is_ascii_digit();
+            script.split_at(script.find(is_over).unwrap_or(script.len()))
+        });
+        pieces.push((script.to_owned(), place));
+        rest = after;
+    }
+    pieces.push((rest.to_owned(), Place::Line));
+    pieces.retain(|(piece, _)| !piece.is_empty());
+    pieces
+}
+
 /// A view's name in plain text, for those who hear the window: `T^2 L_e`.
 #[must_use]
 pub fn spoken(view: View) -> String {
@@ -149,4 +213,30 @@ fn baseline_of(galley: &Galley) -> Option<f32> {
     let row = galley.rows.first()?;
     let glyph = row.row.glyphs.first()?;
     Some(row.pos.y + glyph.pos.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Place, pieces};
+
+    #[test]
+    fn scripts_are_a_word_or_what_is_in_braces() {
+        let set = |text: &str| -> Vec<(String, Place)> { pieces(text) };
+        let piece = |text: &str, place| (text.to_owned(), place);
+        assert_eq!(
+            set("w_{s,t} = p_ω² x^{α − 1} L_e"),
+            [
+                piece("w", Place::Line),
+                piece("s,t", Place::Index),
+                piece(" = p", Place::Line),
+                piece("ω", Place::Index),
+                piece("² x", Place::Line),
+                piece("α − 1", Place::Exponent),
+                piece(" L", Place::Line),
+                piece("e", Place::Index),
+            ]
+        );
+        // What has no end is no reason to stop.
+        assert_eq!(set("x_{a")[0], piece("x", Place::Line));
+    }
 }

@@ -62,6 +62,8 @@ pub(crate) enum Command {
     Compare(CompareArguments),
     /// List built-in scenes, integrators or their parameters
     List(ListArguments),
+    /// Explain how a method works: its formula, its pseudo-code
+    Explain(ExplainArguments),
     /// Say what a scene consists of
     Info(InfoArguments),
     /// Join renders of one scene with different iterations into one
@@ -338,6 +340,18 @@ pub(crate) enum Listing {
 pub(crate) struct ListArguments {
     /// What to list
     pub(crate) what: Listing,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `explain`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  neumann explain pt-mis\n  neumann explain --json")]
+pub(crate) struct ExplainArguments {
+    /// Which method ('neumann list integrators'); all, if none is named
+    #[arg(value_parser = crate::options::integrators(), hide_possible_values = true)]
+    pub(crate) integrator: Option<String>,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -9,6 +9,7 @@ mod cli;
 mod compare;
 mod completions;
 mod console;
+mod explain;
 mod failure;
 mod info;
 mod interrupt;
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         Some(Command::Series(arguments)) => series::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::List(arguments)) => list::run(&arguments),
+        Some(Command::Explain(arguments)) => explain::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
         Some(Command::Merge(arguments)) => merge::run(&arguments),
         Some(Command::Completions(arguments)) => completions::run(&arguments),

@@ -409,7 +409,7 @@ fn default_size(camera: &CameraDescription) -> (usize, usize) {
     }
 }
 
-fn integrators() -> impl TypedValueParser<Value = String> {
+pub(crate) fn integrators() -> impl TypedValueParser<Value = String> {
     PossibleValuesParser::new(
         METHODS
             .iter()

@@ -30,6 +30,8 @@ pub static METHOD: Method = Method {
     blind_spots: "Lights without extent that are seen, by way of mirrors or smooth glass alone, \
                   from the camera, or from \
                   a surface seen so: neither end can be aimed at the other.",
+    formula: "I ≈ Σ w_{s,t} C_{s,t},  w_{s,t} = p_{s,t} / Σ p_{i,j}",
+    pseudo_code: include_str!("pseudo_code/bdpt.txt"),
     sight: Sight::FULL,
     bias: None,
     has_techniques: true,

@@ -28,6 +28,8 @@ pub(super) static METHOD: Method = Method {
             reflections, depth of field.",
     blind_spots: "Light that two diffuse surfaces hand on to each other: no colour bleeding, no \
                   caustics.",
+    formula: "L ≈ L_e + Σ f G V L_e / n p + Σ f_glossy cos θ L / m p",
+    pseudo_code: include_str!("pseudo_code/drt.txt"),
     sight: Sight {
         diffuse_bounces: Some(1),
         ..Sight::FULL

@@ -20,6 +20,8 @@ pub static METHOD: Method = Method {
     blind_spots: "Mirrors and smooth glass seen directly or by way of each other: the lens \
                   cannot be aimed at through them. \
                   Unlit surfaces, and for an orthographic camera the sky.",
+    formula: "I ≈ Σ W_e G V f Φ / N,  Φ ≈ the light that arrives",
+    pseudo_code: include_str!("pseudo_code/lt.txt"),
     sight: Sight {
         delta_to_camera: false,
         ..Sight::FULL

@@ -190,7 +190,12 @@ pub struct Method {
     pub about: &'static str,
     /// What it cannot see, one sentence; empty if it sees everything.
     pub blind_spots: &'static str,
-    /// The same as facts that tests rely on.
+    /// Its estimator; `_` is before an index, `^` before an exponent, of several characters in
+    /// braces.
+    pub formula: &'static str,
+    /// What it does, line by line, with the same signs.
+    pub pseudo_code: &'static str,
+    /// The same as [`Self::blind_spots`] as facts that tests rely on.
     pub sight: Sight,
     /// Why its expectation differs from L; `None` for an unbiased method.
     pub bias: Option<&'static str>,
@@ -205,6 +210,12 @@ pub struct Method {
     /// Makes an integrator with the given parameter values.
     pub build: fn(&ParameterValues) -> Integrator,
 }
+
+/// The signs of [`Method::formula`] and [`Method::pseudo_code`].
+pub const NOTATION: &str = "\
+L radiance, L_e emitted; f BSDF; θ angle between ω and the normal; p density; w MIS weight;
+I value of a pixel, W_e its importance; V 1 where nothing is between, G cos θ cos θ' / distance²;
+β throughput from the lens, Φ power of a path from a light; N such paths; r radius, K kernel.";
 
 /// What a method can see.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

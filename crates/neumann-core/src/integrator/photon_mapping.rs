@@ -40,6 +40,8 @@ pub static METHOD: Method = Method {
             off the photons \
             around it.",
     blind_spots: BLIND_SPOTS,
+    formula: "T L ≈ Σ f Φ K_r / N,  the photons within r",
+    pseudo_code: include_str!("pseudo_code/pm.txt"),
     sight: Sight::FULL,
     bias: Some("photons are counted within a fixed radius, and one map is kept for good"),
     has_techniques: false,
@@ -103,6 +105,8 @@ pub static PROGRESSIVE: Method = Method {
     about: "A new photon map for each iteration, with a smaller radius each time: blur and \
             blotches both go away.",
     blind_spots: BLIND_SPOTS,
+    formula: "T L ≈ Σ f Φ K_i / N,  r_i² = r_1² i^{α − 1}",
+    pseudo_code: include_str!("pseudo_code/ppm.txt"),
     sight: Sight::FULL,
     bias: Some("photons are counted within a radius, which shrinks with every iteration"),
     has_techniques: false,

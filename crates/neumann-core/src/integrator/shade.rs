@@ -21,6 +21,8 @@ pub(super) static METHOD: Method = Method {
             shadows.",
     blind_spots: "Everything in between: shadows, mirrors and glass, and all light scattered \
                   more than once.",
+    formula: "L ≈ L_e + Σ f G L_e / n p,  without V",
+    pseudo_code: include_str!("pseudo_code/shade.txt"),
     sight: Sight {
         delta_surfaces: false,
         diffuse_bounces: Some(1),

@@ -41,6 +41,8 @@ pub static METHOD: Method = Method {
             paths counts where it is good.",
     blind_spots: "Lights without extent seen by way of mirrors or smooth glass alone: nothing \
                   can be joined there.",
+    formula: "I ≈ Σ w C_{s,t} + Σ w f Φ / N π r²,  w = n p / Σ n p",
+    pseudo_code: include_str!("pseudo_code/vcm.txt"),
     sight: Sight::FULL,
     bias: Some("merging blurs by its radius, which shrinks with every iteration"),
     has_techniques: true,

@@ -1,17 +1,20 @@
 //! The method: what it is, what it cannot see, its parameters, how deep and how long.
 
 use egui::Ui;
-use neumann_core::integrator::{METHODS, Parameter, ParameterKind, ParameterValues, Value};
+use neumann_core::integrator::{
+    METHODS, NOTATION, Parameter, ParameterKind, ParameterValues, Value,
+};
 use neumann_core::render::StopRule;
 
+use crate::formula;
 use crate::keys::Action;
 use crate::render_link::RenderLink;
 use crate::session::Session;
 use crate::setup::Setup;
 use crate::shell::Shell;
-use crate::theme::GRID;
+use crate::theme::{GRID, Palette};
 use crate::views::{VIEWS, Views};
-use crate::widgets::{Slider, button, explained_choice, heading, paragraph, rule, switch};
+use crate::widgets::{Slider, button, explained_choice, fold, heading, paragraph, rule, switch};
 
 pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mut Shell) {
     let setup = &mut session.setup;
@@ -25,6 +28,13 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mu
     if let Some(bias) = method.bias {
         ui.add_space(GRID / 2.0);
         paragraph(ui, &format!("Biased: {bias}"));
+    }
+    ui.add_space(GRID);
+    formula::lines(ui, method.formula, Palette::of(ui).text);
+    if fold(ui, "Pseudo-code", false) {
+        formula::lines(ui, method.pseudo_code, Palette::of(ui).text);
+        ui.add_space(GRID);
+        paragraph(ui, NOTATION);
     }
     view_buttons(ui, setup, views, shell);
     ui.add_space(GRID);

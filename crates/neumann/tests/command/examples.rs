@@ -8,6 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use neumann_core::integrator::{METHODS, NOTATION};
+
 use super::Folder;
 
 /// Where the workspace is.
@@ -292,4 +294,36 @@ fn every_command_of_readme_and_docs_works() {
         try_all(&path.file_name().unwrap().to_string_lossy(), &commands);
     }
     assert!(n_commands > 15, "{n_commands}");
+}
+
+/// docs/methods.md says what the program says; `UPDATE_SNAPSHOTS=true` writes it.
+#[test]
+fn methods_are_explained_in_docs_as_in_the_program() {
+    let mut page = String::from(
+        "# Methods\n\nHow each method estimates light. `neumann explain` prints the same, and the \
+         window shows it on\nthe page Method. What a method cannot see, and how it is biased, is \
+         in the [README](../README.md#methods).\n\n",
+    );
+    page += NOTATION;
+    page += "\n";
+    for m in METHODS {
+        page += &format!(
+            "\n## `{}`: {}\n```text\n{}\n\n{}```\n",
+            m.id, m.name, m.formula, m.pseudo_code
+        );
+    }
+    let path = root().join("docs/methods.md");
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        fs::write(&path, &page).unwrap();
+    }
+    assert!(
+        fs::read_to_string(path).unwrap() == page,
+        "docs/methods.md is old: run this test with UPDATE_SNAPSHOTS=true"
+    );
+    let folder = Folder::new();
+    let said = folder.succeed("explain vcm");
+    let vcm = METHODS.iter().find(|m| m.id == "vcm").unwrap();
+    for line in vcm.pseudo_code.lines().chain([vcm.formula, NOTATION]) {
+        assert!(said.contains(line), "{line} not in {said}");
+    }
 }

@@ -20,6 +20,8 @@ pub static METHOD: Method = Method {
     about: "Directions are drawn where the surface scatters most. Light still counts only where \
             a path runs into it.",
     blind_spots: "Lights without extent: no path runs into them by chance.",
+    formula: "L ≈ L_e + f cos θ L / p,  p ~ f cos θ",
+    pseudo_code: include_str!("../pseudo_code/pt-bsdf.txt"),
     sight: Sight {
         punctual_lights: false,
         ..Sight::FULL

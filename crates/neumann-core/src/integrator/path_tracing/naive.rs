@@ -31,6 +31,8 @@ pub static METHOD: Method = Method {
             and light only where a path happens to run into it.",
     blind_spots: "Lights without extent, and mirrors and smooth glass: a uniform direction never \
                   finds them.",
+    formula: "L ≈ L_e + f cos θ L / p,  p = 1 / 2π",
+    pseudo_code: include_str!("../pseudo_code/naive.txt"),
     sight: Sight {
         punctual_lights: false,
         delta_surfaces: false,

@@ -26,6 +26,8 @@ pub static METHOD: Method = Method {
             chance.",
     blind_spots: "Lights without extent by way of a mirror or smooth glass: neither can be aimed \
                   at the other.",
+    formula: "T L_e ≈ f G V L_e / p,  a point on a light",
+    pseudo_code: include_str!("../pseudo_code/pt-nee.txt"),
     sight: Sight::FULL,
     bias: None,
     has_techniques: false,

@@ -34,6 +34,8 @@ pub static METHOD: Method = Method {
             small lights and sharp reflections both come out clean.",
     blind_spots: "Lights without extent by way of a mirror or smooth glass: neither can be aimed \
                   at the other.",
+    formula: "T L_e ≈ Σ w_i f cos θ L_e / p_i,  w_i = p_i² / Σ p_j²",
+    pseudo_code: include_str!("../../pseudo_code/pt-mis.txt"),
     sight: Sight::FULL,
     bias: None,
     has_techniques: true,

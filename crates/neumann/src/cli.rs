@@ -1,11 +1,13 @@
 //! What can be typed.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use neumann_core::film::View;
 use neumann_picture::photons::PhotonColours;
+use neumann_picture::quantity::Quantity;
 
 use crate::options::{
     DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, photon_colours, positive, size,
@@ -98,6 +100,7 @@ const IN_STATE: [&str; 20] = [
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     neumann view cornell --view T2\n  \
+    neumann view cornell --view depth --screenshot depth.png\n  \
     neumann view room.glb --integrator pt-nee --exposure 1.5 --tone agx\n  \
     neumann view --state shot.json\n  \
     neumann view cornell --screenshot window.png --after 64 --window-size 1280x720")]
@@ -113,9 +116,10 @@ pub(crate) struct ViewArguments {
     pub(crate) settings: SettingsOptions,
     #[command(flatten)]
     pub(crate) display: DisplayOptions,
-    /// What is shown: L, T0, T1, …, tail, or upto:K for a partial sum
+    /// What is shown: L, T0, T1, …, tail, or upto:K for a partial sum; or albedo, normal, depth,
+    /// error or samples
     #[arg(long, default_value = "L", value_name = "VIEW")]
-    pub(crate) view: View,
+    pub(crate) view: Looked,
     /// Stop after so many iterations
     #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX), allow_hyphen_values = true)]
     pub(crate) iterations: Option<u32>,
@@ -148,6 +152,45 @@ pub(crate) struct ViewArguments {
     /// Use the light theme on the screenshot
     #[arg(long, requires = "screenshot")]
     pub(crate) light_theme: bool,
+}
+
+/// What `--view` shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Looked {
+    /// A part of the series.
+    Part(View),
+    /// What a pixel holds beside radiance.
+    Quantity(Quantity),
+}
+
+impl FromStr for Looked {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let quantity = text.parse().map(Self::Quantity);
+        let part = || text.parse().map(Self::Part);
+        quantity.or_else(|_| part()).map_err(|_| {
+            let names = Quantity::ALL.map(Quantity::name).join(", ");
+            format!("'{text}' is not a view; use L, T0, T1, …, tail, upto:K, or one of {names}")
+        })
+    }
+}
+
+#[cfg(feature = "window")]
+impl Looked {
+    pub(crate) fn part(self) -> View {
+        match self {
+            Self::Part(part) => part,
+            Self::Quantity(_) => View::Total,
+        }
+    }
+
+    pub(crate) fn quantity(self) -> Option<Quantity> {
+        match self {
+            Self::Part(_) => None,
+            Self::Quantity(quantity) => Some(quantity),
+        }
+    }
 }
 
 /// Arguments of `render`.

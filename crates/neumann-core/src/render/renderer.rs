@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::adaptive::Adaptive;
 use super::{RenderSettings, WorkerPool, photons};
 use crate::endpoint::Camera;
-use crate::film::{Film, Frame, NextFilm, PhotonReport, TechniqueFilm};
+use crate::film::{Features, Film, Frame, NextFilm, PhotonReport, SampleMap, TechniqueFilm};
 use crate::integrator::{Integrator, PixelIntegrator, Shot};
 use crate::pass::{CancelToken, Cancelled, Coverage, Pass, Plan, Seen};
 use crate::photons::{PhotonMap, PhotonPicture};
@@ -25,6 +25,8 @@ pub struct Renderer {
     adaptive: Option<Adaptive>,
     next_iteration: u32,
     frame: Frame,
+    /// Paths of the iterations that it has run.
+    samples: SampleMap,
     /// What the film before the last one was, to be written again.
     spare: Option<Film>,
     coverage: Coverage,
@@ -50,6 +52,7 @@ impl Renderer {
             adaptive: adaptive_of(&integrator),
             integrator,
             frame,
+            samples: SampleMap::new(settings.width, settings.height),
             spare: None,
             next_iteration: first_iteration,
             techniques: None,
@@ -91,6 +94,20 @@ impl Renderer {
     #[must_use]
     pub fn techniques(&self) -> Option<&TechniqueFilm> {
         self.techniques.as_ref()
+    }
+
+    /// Paths from the camera of each pixel, in the iterations that it has run.
+    #[must_use]
+    pub fn samples(&self) -> &SampleMap {
+        &self.samples
+    }
+
+    /// What the camera sees first.
+    #[must_use]
+    pub fn features(&self) -> Features {
+        let (s, scene) = (&self.settings, &*self.scene);
+        let trace = || Features::trace(scene, &s.camera, s.width, s.height);
+        self.pool.run(trace)
     }
 
     /// False if no estimate of the error can be had, [`Integrator::shows_its_error`].
@@ -265,6 +282,7 @@ impl Renderer {
         if let Some(techniques) = &mut self.techniques {
             techniques.end_iteration();
         }
+        self.samples.add(&self.frame.n_samples_of_tiles);
         self.next_iteration += 1;
         Ok(())
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::RenderSettings;
-use crate::film::{Film, PhotonReport, TechniqueFilm};
+use crate::film::{Features, Film, PhotonReport, SampleMap, TechniqueFilm};
 use crate::photons::PhotonPicture;
 use crate::radiometry::Rgb;
 
@@ -59,6 +59,11 @@ pub struct Published {
     /// The photons of the latest iteration as the camera sees them, renewed with the thumbnails
     /// while [`draw_photons`](super::RenderLoop::draw_photons) is on; smaller as the film is.
     pub photons: Option<Arc<PhotonPicture>>,
+    /// What the camera sees first, while
+    /// [`trace_features`](super::RenderLoop::trace_features) is on; smaller as the film is.
+    pub features: Option<Arc<Features>>,
+    /// Paths from the camera of each pixel, renewed with the thumbnails.
+    pub samples: Option<Arc<SampleMap>>,
 }
 
 /// A small linear image.
@@ -84,7 +89,15 @@ pub(super) struct Summary {
     energy_shares: Vec<f64>,
     estimated_error: Option<f64>,
     techniques: Option<Arc<TechniqueFilm>>,
-    photons: Option<Arc<PhotonPicture>>,
+    looks: Looks,
+    samples: Option<Arc<SampleMap>>,
+}
+
+/// What is drawn for whoever looks.
+#[derive(Clone, Default)]
+pub(super) struct Looks {
+    pub(super) photons: Option<Arc<PhotonPicture>>,
+    pub(super) features: Option<Arc<Features>>,
 }
 
 impl Summary {
@@ -93,7 +106,8 @@ impl Summary {
         film: &Film,
         estimated_error: Option<f64>,
         techniques: Option<&TechniqueFilm>,
-        photons: Option<Arc<PhotonPicture>>,
+        looks: Looks,
+        samples: Option<Arc<SampleMap>>,
     ) -> Self {
         Self {
             thumbnails: (0..=film.n_layers())
@@ -102,12 +116,27 @@ impl Summary {
             energy_shares: film.energy_shares(),
             estimated_error,
             techniques: techniques.map(|techniques| Arc::new(techniques.clone())),
-            photons,
+            looks,
+            samples,
         }
     }
 }
 
 impl Published {
+    /// What is published for whoever looks.
+    pub(super) fn looks(&self) -> Looks {
+        Looks {
+            photons: self.photons.clone(),
+            features: self.features.clone(),
+        }
+    }
+
+    /// Takes over what is drawn for whoever looks.
+    pub(super) fn look(&mut self, looks: Looks) {
+        self.photons = looks.photons;
+        self.features = looks.features;
+    }
+
     /// Takes over what is new of the film.
     pub(super) fn take(&mut self, stats: Stats, summary: Option<Summary>) {
         let estimated_error = self.stats.estimated_error;
@@ -121,7 +150,8 @@ impl Published {
             self.thumbnails = summary.thumbnails;
             self.energy_shares = summary.energy_shares;
             self.techniques = summary.techniques;
-            self.photons = summary.photons;
+            self.look(summary.looks);
+            self.samples = summary.samples;
             self.thumbnails_version += 1;
         }
     }

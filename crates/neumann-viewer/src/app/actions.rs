@@ -80,6 +80,10 @@ impl App {
                 ctx.set_theme(if is_dark { Theme::Light } else { Theme::Dark });
             }
             Action::View(id) => self.toggle_view(id),
+            Action::Show(step) => {
+                let row = self.viewing.views.further(step);
+                self.show_view(row.id);
+            }
             Action::Help => self.shell.is_help_open = !self.shell.is_help_open,
             Action::Fullscreen => self.shell.requests.push(WindowRequest::Fullscreen),
             Action::Escape => self.escape(ctx),
@@ -109,6 +113,14 @@ impl App {
         let viewing = &mut self.viewing;
         let setup = &self.session.setup;
         if let Err(refusal) = viewing.views.toggle(id, setup, &viewing.settings) {
+            self.shell.notices.failure(refusal);
+        }
+    }
+
+    /// Shows a view.
+    pub(super) fn show_view(&mut self, id: &str) {
+        let (viewing, setup) = (&mut self.viewing, &self.session.setup);
+        if let Err(refusal) = viewing.views.show(id, setup, &viewing.settings) {
             self.shell.notices.failure(refusal);
         }
     }

@@ -136,6 +136,9 @@ impl App {
             sky => setup.sky = sky,
         }
         setup.apply_environment(&self.options.environment);
+        if let Some(quantity) = self.options.quantity {
+            self.show_view(quantity.name());
+        }
     }
 
     /// Takes up a state, its scene being open; size and end may be those that the command said.

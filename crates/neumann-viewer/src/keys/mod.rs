@@ -60,6 +60,8 @@ pub enum Action {
     Probe,
     /// The difference from the reference, on or off.
     Difference,
+    /// The view so many places further in the choice "Show".
+    Show(i32),
     /// A view by its id, or the picture where it is shown already.
     View(&'static str),
     /// Open a scene.

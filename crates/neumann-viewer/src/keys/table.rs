@@ -179,6 +179,15 @@ pub static HELP: &[HelpLine] = &[
     ),
     line(
         DISPLAY,
+        "N  Shift N",
+        "show albedo, normal, depth, error, samples",
+        &[
+            on(NONE, Key::N, Action::Show(1)),
+            on(SHIFT, Key::N, Action::Show(-1)),
+        ],
+    ),
+    line(
+        DISPLAY,
         "+ −  Z",
         "magnify; whole picture",
         &[

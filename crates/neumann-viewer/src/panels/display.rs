@@ -14,12 +14,16 @@ use crate::scene_source::Wanted;
 use crate::session::Session;
 use crate::shell::Shell;
 use crate::theme::GRID;
+use crate::viewing::Viewing;
+use crate::views::{self, Views};
 use crate::widgets::{
-    Slider, button, choice_row, fact, heading, hint, paragraph, path_field, rule, significant,
-    switch,
+    Slider, button, choice_row, choice_rows, fact, heading, hint, paragraph, path_field, rule,
+    significant, switch,
 };
 
-pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &mut Shell) {
+pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut Viewing, shell: &mut Shell) {
+    choose_view(ui, &viewing.views, shell);
+    let viewing = &mut viewing.settings;
     heading(ui, "Exposure and tone");
     let mut ev = f64::from(viewing.exposure_ev);
     let slider = Slider::new("Exposure", -16.0, 16.0).unit("EV").default(0.0);
@@ -70,6 +74,18 @@ pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, s
     switch(ui, "Values of the pixel", &mut viewing.is_probing);
     compare(ui, session, viewing, shell);
     save(ui, shell);
+}
+
+/// What stands in place of the picture.
+fn choose_view(ui: &mut Ui, views: &Views, shell: &mut Shell) {
+    let rows: Vec<_> = views::choice().collect();
+    let titles: Vec<_> = rows.iter().map(|row| row.title).collect();
+    let shown = rows.iter().position(|row| row.id == views.shown().id);
+    let about = |i: usize| format!("{} (N)", rows[i].about);
+    if let Some(i) = choice_rows(ui, "Show", &titles, about, 3, shown) {
+        shell.act(ui.ctx(), Action::View(rows[i].id));
+    }
+    rule(ui);
 }
 
 fn compare(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &mut Shell) {

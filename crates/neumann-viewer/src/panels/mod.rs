@@ -87,7 +87,7 @@ pub fn show(
                             Page::Scene => scene::show(ui, &mut session.setup, shell),
                             Page::Camera => camera::show(ui, session, shell),
                             Page::Display => {
-                                display::show(ui, session, &mut viewing.settings, shell);
+                                display::show(ui, session, viewing, shell);
                             }
                         }
                         ui.add_space(2.0 * GRID);

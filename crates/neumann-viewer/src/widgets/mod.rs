@@ -13,8 +13,11 @@ pub use button::{button, icon_button, row_button};
 pub use color::color_sliders;
 pub use fold::fold;
 pub use icon::Icon;
-pub use segmented::{choice_row, explained_choice, segmented, segmented_width, segments, tabs};
-pub use slider::{Slider, significant};
+pub use neumann_picture::figures::significant;
+pub use segmented::{
+    choice_row, choice_rows, explained_choice, segmented, segmented_width, segments, tabs,
+};
+pub use slider::Slider;
 pub use switch::switch;
 pub use text::{fact, heading, hint, paragraph, path_field, rule, text_field};
 

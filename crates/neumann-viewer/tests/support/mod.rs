@@ -65,6 +65,8 @@ pub(crate) fn published_with(n_layers: usize) -> Published {
         thumbnails_version: 1,
         techniques: None,
         photons: None,
+        features: None,
+        samples: None,
     }
 }
 
@@ -121,6 +123,24 @@ pub(crate) fn app_with_photons() -> App {
     let photons = renderer.draw_photons(&map, &nobody);
     let published = Published {
         photons: Some(Arc::new(photons.expect("nobody cancels"))),
+        ..published()
+    };
+    app_of(published, options)
+}
+
+/// The window on a film, with what the camera of cornell sees first, and how many paths an
+/// iteration sends there.
+pub(crate) fn app_with_quantities() -> App {
+    let options = ViewOptions {
+        size: Some((96, 96)),
+        ..ViewOptions::default()
+    };
+    let mut renderer = renderer_of_cornell("pt-mis", 96);
+    let iteration = renderer.iterate(&CancelToken::default());
+    assert!(iteration.is_ok(), "nobody cancels");
+    let published = Published {
+        features: Some(Arc::new(renderer.features())),
+        samples: Some(Arc::new(renderer.samples().clone())),
         ..published()
     };
     app_of(published, options)

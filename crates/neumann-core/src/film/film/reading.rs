@@ -48,6 +48,13 @@ impl Film {
         self.deviations_at(total) * self.variance_of_deviations() as f32
     }
 
+    /// Estimated standard error of the luminance of [`Self::total`] at a pixel, as if its channels
+    /// moved together, which is the safe side; zero before the second iteration.
+    #[must_use]
+    pub fn luminance_error(&self, pixel: usize) -> f32 {
+        self.variance_of_mean(pixel).map(f32::sqrt).luminance()
+    }
+
     /// The variance of the mean, over the sum of squared deviations.
     fn variance_of_deviations(&self) -> f64 {
         let n = f64::from(self.n_iterations());

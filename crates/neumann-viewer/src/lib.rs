@@ -21,6 +21,7 @@ pub mod flight;
 pub mod formula;
 pub mod gallery;
 pub mod help;
+pub mod histogram;
 pub mod keys;
 mod memory;
 pub mod notices;

@@ -9,6 +9,7 @@ use egui::Context;
 
 use crate::file_list::FileList;
 use crate::gallery::Gallery;
+use crate::histogram::LiveHistogram;
 use crate::keys::{Action, Places};
 use crate::notices::Notices;
 use crate::panels::Page;
@@ -38,6 +39,8 @@ pub struct Shell {
     pub fields: Fields,
     /// The material that is being edited.
     pub material: Option<usize>,
+    /// The histogram of the Display page.
+    pub histogram: LiveHistogram,
     /// Small pictures of the built-in scenes.
     pub gallery: Gallery,
     /// Scenes and states opened lately.
@@ -104,6 +107,7 @@ impl Shell {
             file_list: None,
             fields: Fields::default(),
             material: None,
+            histogram: LiveHistogram::default(),
             gallery: Gallery::new(Arc::clone(&wake)),
             recent: Recent::default(),
             notices: Notices::default(),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use egui::Ui;
 use neumann_picture::false_colour::ColourMap;
+use neumann_picture::histogram::Channels;
 use neumann_picture::tone::ToneCurve;
 
 use crate::compared::{Compared, Side};
@@ -15,7 +16,7 @@ use crate::session::Session;
 use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::viewing::Viewing;
-use crate::views::{self, Views};
+use crate::views::{self, VIEWS, Views};
 use crate::widgets::{
     Slider, button, choice_row, choice_rows, fact, heading, hint, paragraph, path_field, rule,
     significant, switch,
@@ -23,6 +24,7 @@ use crate::widgets::{
 
 pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut Viewing, shell: &mut Shell) {
     choose_view(ui, &viewing.views, shell);
+    let is_picture = viewing.views.shown().id == VIEWS[0].id;
     let viewing = &mut viewing.settings;
     heading(ui, "Exposure and tone");
     let mut ev = f64::from(viewing.exposure_ev);
@@ -38,6 +40,9 @@ pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut Viewing, shell:
     let chosen = ToneCurve::ALL.iter().position(|t| *t == viewing.tone);
     if let Some(i) = choice_row(ui, "Tone curve", &names, chosen.unwrap_or(0)) {
         viewing.tone = ToneCurve::ALL[i];
+    }
+    if is_picture {
+        histogram(ui, session, viewing, shell);
     }
     rule(ui);
     heading(ui, "False colour");
@@ -74,6 +79,22 @@ pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut Viewing, shell:
     switch(ui, "Values of the pixel", &mut viewing.is_probing);
     compare(ui, session, viewing, shell);
     save(ui, shell);
+}
+
+/// How bright the pixels are, and which of them the screen cannot tell apart.
+fn histogram(ui: &mut Ui, session: &Session, viewing: &ViewSettings, shell: &mut Shell) {
+    let histogram = &mut shell.histogram;
+    let names = ["luminance", "R G B"];
+    let chosen = usize::from(histogram.channels == Channels::Rgb);
+    if let Some(i) = choice_row(ui, "Histogram", &names, chosen) {
+        histogram.channels = [Channels::Luminance, Channels::Rgb][i];
+    }
+    ui.add_space(GRID / 2.0);
+    histogram.update(session, viewing);
+    if let Some(rest) = histogram.rest(session) {
+        ui.ctx().request_repaint_after(rest);
+    }
+    histogram.show(ui);
 }
 
 /// What stands in place of the picture.

@@ -6,6 +6,7 @@ mod compared;
 mod controls;
 mod files;
 mod film;
+mod histogram;
 mod series;
 #[path = "../support/mod.rs"]
 mod support;

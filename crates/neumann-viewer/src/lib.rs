@@ -11,6 +11,7 @@
 
 pub mod app;
 pub mod blind_spots;
+pub mod bookmarks;
 pub mod camera_control;
 pub mod command_line;
 pub mod compared;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use egui::Context;
 
+use crate::bookmarks::Bookmarks;
 use crate::file_list::FileList;
 use crate::gallery::Gallery;
 use crate::histogram::LiveHistogram;
@@ -45,6 +46,8 @@ pub struct Shell {
     pub gallery: Gallery,
     /// Scenes and states opened lately.
     pub recent: Recent,
+    /// Views of scenes that were kept.
+    pub bookmarks: Bookmarks,
     /// What the window has to say.
     pub notices: Notices,
     /// What runs in the background.
@@ -110,6 +113,7 @@ impl Shell {
             histogram: LiveHistogram::default(),
             gallery: Gallery::new(Arc::clone(&wake)),
             recent: Recent::default(),
+            bookmarks: Bookmarks::default(),
             notices: Notices::default(),
             background: Background::new(wake),
             gives_panel_the_keyboard: false,

@@ -185,6 +185,27 @@ fn a_state_of_what_pixels_hold_shows_it_again() {
 }
 
 #[test]
+fn a_state_has_the_views_that_were_kept() {
+    let mut first = harness_of(app());
+    let keys = Modifiers::COMMAND | Modifiers::SHIFT;
+    first.key_press_modifiers(keys, Key::Num1);
+    first.run_steps(2);
+    let saved = state_of(&first);
+    assert_eq!(saved.views.len(), 1);
+    let mut second = harness_of(app());
+    second.key_press(Key::F);
+    second.run_steps(2);
+    second.key_press_modifiers(keys, Key::Num1);
+    second.run_steps(2);
+    second.state_mut().open_state(Box::new(saved.clone()));
+    wait(&mut second, |app| !app.is_loading());
+    second.run_steps(2);
+    let views = &state_of(&second).views;
+    assert_eq!(views.len(), 2, "what was kept before is not lost");
+    assert_eq!(views[0], saved.views[0]);
+}
+
+#[test]
 fn a_map_comes_back_with_its_level_and_turn() {
     let map = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/scenes/sky.hdr");
     let mut first = harness_of(app());

@@ -46,6 +46,8 @@ impl App {
             Action::Restart => self.session.setup.is_changed = true,
             Action::FitFilm => self.session.fit(),
             Action::FrameAll | Action::ResetCamera => self.move_camera(action),
+            Action::GoToView(index) => self.go_to_view(index),
+            Action::KeepView(index) => self.keep_view(ctx, index),
             Action::Open => {
                 self.shell.show_page(Page::Scene);
                 self.shell.background.choose(Wanted::Scene);
@@ -136,6 +138,28 @@ impl App {
             control.reset();
         }
         self.session.setup.is_changed = true;
+    }
+
+    fn go_to_view(&mut self, index: usize) {
+        if !self.session.setup.go_to_view(index) {
+            let n = index + 1;
+            let text = format!(
+                "No view {n} of this scene is kept; Ctrl Shift {n} keeps where the camera is"
+            );
+            self.shell.notices.failure(text);
+        }
+    }
+
+    fn keep_view(&mut self, ctx: &Context, index: usize) {
+        let setup = &mut self.session.setup;
+        if let Some(index) = setup.keep_view(index) {
+            let name = &setup.views[index].name;
+            let text = match index {
+                0..=8 => format!("Kept as {name}; Ctrl {} comes back to it", index + 1),
+                _ => format!("Kept as {name}"),
+            };
+            self.shell.notices.remark_instead(ctx, "Kept as ", text);
+        }
     }
 
     fn change_display(&mut self, action: Action) {

@@ -36,6 +36,10 @@ pub enum Action {
     FrameAll,
     /// Back to the file's camera.
     ResetCamera,
+    /// Go to a kept view of the scene, from 0.
+    GoToView(usize),
+    /// Keep the camera as that view.
+    KeepView(usize),
     /// Change the exposure by so many thirds of a stop.
     Exposure(i32),
     /// Exposure follows the picture.

@@ -7,6 +7,7 @@ mod controls;
 mod files;
 mod film;
 mod histogram;
+mod kept_views;
 mod series;
 #[path = "../support/mod.rs"]
 mod support;

@@ -264,6 +264,17 @@ pub(crate) fn report(rendered: &Rendered, outputs: &[PathBuf]) -> Value {
         "peak_memory_bytes": peak_bytes(),
         "outputs": outputs,
     });
+    let n_layers = film.n_layers();
+    let errors = rendered.layer_errors.iter().enumerate();
+    let errors = errors.map(|(layer, error)| {
+        let view = if layer < n_layers {
+            View::Term(layer)
+        } else {
+            View::Tail
+        };
+        (view.to_string(), json!(error))
+    });
+    report["term_errors"] = Value::Object(errors.collect());
     if let Some(photons) = rendered.photons {
         report["photons"] = json!({
             "radius": photons.radius,

@@ -207,6 +207,7 @@ fn a_render_writes_its_files_and_reports_what_it_did() {
         "rays_per_second",
         "refused",
         "estimated_error",
+        "term_errors",
         "peak_memory_bytes",
         "outputs",
     ];

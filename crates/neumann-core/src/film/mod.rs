@@ -12,6 +12,7 @@ pub mod features;
 #[allow(clippy::module_inception, reason = "the Film itself")]
 mod film;
 mod frame;
+mod layer_spread;
 mod means;
 mod sample_map;
 pub mod techniques;

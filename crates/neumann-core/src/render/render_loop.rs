@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use super::job::{Job, StopRule};
 use super::ladder::{Climb, Pace, Wanted};
-use super::summary::{Published, SUMMARY_PERIOD, Stats, Summary, technique_divisor};
+use super::summary::{Errors, Published, SUMMARY_PERIOD, Stats, Summary, technique_divisor};
 use super::{CancelToken, Renderer, WorkerPool};
 use crate::film::Film;
 use crate::scene::Scene;
@@ -71,6 +71,7 @@ impl RenderLoop {
                 stats: Stats::default(),
                 thumbnails: Vec::new(),
                 energy_shares: Vec::new(),
+                layer_errors: Vec::new(),
                 thumbnails_version: 0,
                 techniques: None,
                 photons: None,
@@ -339,11 +340,12 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let summary = is_due.then(|| {
             let published = shared.published();
             let renderer = climb.renderer.as_ref();
-            let error = renderer.and_then(|renderer| renderer.estimated_error(&published.film));
+            let errors = renderer.map(|renderer| Errors::of(renderer, &published.film));
+            let errors = errors.unwrap_or_default();
             let techniques = renderer.and_then(Renderer::techniques);
             let samples = renderer.map(|renderer| Arc::new(renderer.samples().clone()));
             let looks = climb.looks.clone();
-            pool.run(|| Summary::of(&published.film, error, techniques, looks, samples))
+            pool.run(|| Summary::of(&published.film, errors, techniques, looks, samples))
         });
         if summary.is_some() {
             // Rungs of the ladder do not delay the next summary.
@@ -391,10 +393,13 @@ fn record_once_more(
     *summarised = Some(Instant::now());
     let (stats, summary) = {
         let published = shared.published();
-        let error = published.stats.estimated_error;
+        let errors = Errors {
+            of_film: published.stats.estimated_error,
+            of_layers: published.layer_errors.clone(),
+        };
         let (looks, samples) = (published.looks(), published.samples.clone());
         let summary =
-            pool.run(|| Summary::of(&published.film, error, Some(techniques), looks, samples));
+            pool.run(|| Summary::of(&published.film, errors, Some(techniques), looks, samples));
         (published.stats, summary)
     };
     shared.publish(|published| published.take(stats, Some(summary)));

@@ -120,10 +120,23 @@ impl Renderer {
     /// light alone it says nothing, as long as there are surfaces that may scatter some.
     #[must_use]
     pub fn estimated_error(&self, film: &Film) -> Option<f64> {
-        let may_scatter = self.settings.max_bounces > 0 && self.scene.may_scatter();
-        let is_evidence = self.shows_its_error() && (!may_scatter || film.has_bounces());
         let estimate = || self.pool.run(|| film.estimated_error());
-        is_evidence.then(estimate).flatten()
+        self.has_evidence(film).then(estimate).flatten()
+    }
+
+    /// [`Film::layer_errors`] of a film that it rendered, where they say anything.
+    #[must_use]
+    pub fn layer_errors(&self, film: &Film) -> Vec<Option<f64>> {
+        if self.has_evidence(film) {
+            self.pool.run(|| film.layer_errors())
+        } else {
+            vec![None; film.n_layers() + 1]
+        }
+    }
+
+    fn has_evidence(&self, film: &Film) -> bool {
+        let may_scatter = self.settings.max_bounces > 0 && self.scene.may_scatter();
+        self.shows_its_error() && (!may_scatter || film.has_bounces())
     }
 
     /// Runs the next iteration and yields it.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::RenderSettings;
+use super::{RenderSettings, Renderer};
 use crate::film::{Features, Film, PhotonReport, SampleMap, TechniqueFilm};
 use crate::photons::PhotonPicture;
 use crate::radiometry::Rgb;
@@ -51,6 +51,9 @@ pub struct Published {
     pub thumbnails: Vec<Thumbnail>,
     /// [`Film::energy_shares`], renewed with the thumbnails.
     pub energy_shares: Vec<f64>,
+    /// Estimated relative error of each layer, tail last, renewed with the thumbnails; `None` where
+    /// it is not known.
+    pub layer_errors: Vec<Option<f64>>,
     /// Grows when the thumbnails change.
     pub thumbnails_version: u64,
     /// The techniques apart, renewed with the thumbnails while
@@ -87,10 +90,27 @@ pub(super) fn technique_divisor(settings: &RenderSettings) -> usize {
 pub(super) struct Summary {
     thumbnails: Vec<Thumbnail>,
     energy_shares: Vec<f64>,
-    estimated_error: Option<f64>,
+    errors: Errors,
     techniques: Option<Arc<TechniqueFilm>>,
     looks: Looks,
     samples: Option<Arc<SampleMap>>,
+}
+
+/// How uncertain a film is.
+#[derive(Clone, Default)]
+pub(super) struct Errors {
+    pub(super) of_film: Option<f64>,
+    pub(super) of_layers: Vec<Option<f64>>,
+}
+
+impl Errors {
+    /// Of a film, by the renderer that made it.
+    pub(super) fn of(renderer: &Renderer, film: &Film) -> Self {
+        Self {
+            of_film: renderer.estimated_error(film),
+            of_layers: renderer.layer_errors(film),
+        }
+    }
 }
 
 /// What is drawn for whoever looks.
@@ -104,7 +124,7 @@ impl Summary {
     /// Of a film.
     pub(super) fn of(
         film: &Film,
-        estimated_error: Option<f64>,
+        errors: Errors,
         techniques: Option<&TechniqueFilm>,
         looks: Looks,
         samples: Option<Arc<SampleMap>>,
@@ -114,7 +134,7 @@ impl Summary {
                 .map(|layer| Thumbnail::of(film, layer))
                 .collect(),
             energy_shares: film.energy_shares(),
-            estimated_error,
+            errors,
             techniques: techniques.map(|techniques| Arc::new(techniques.clone())),
             looks,
             samples,
@@ -146,7 +166,8 @@ impl Published {
             ..stats
         };
         if let Some(summary) = summary {
-            self.stats.estimated_error = summary.estimated_error;
+            self.stats.estimated_error = summary.errors.of_film;
+            self.layer_errors = summary.errors.of_layers;
             self.thumbnails = summary.thumbnails;
             self.energy_shares = summary.energy_shares;
             self.techniques = summary.techniques;

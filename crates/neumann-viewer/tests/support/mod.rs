@@ -60,6 +60,9 @@ pub(crate) fn published_with(n_layers: usize) -> Published {
             is_done: false,
         },
         energy_shares: film.energy_shares(),
+        layer_errors: (0..=n_layers)
+            .map(|k| (k > 0).then_some(0.01 * k as f64))
+            .collect(),
         film,
         thumbnails,
         thumbnails_version: 1,

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Film, Means, Spread, TILES_PER_TASK};
+use crate::film::tile::watched_pixels;
 use crate::film::{TILE, TILE_PIXELS, View};
 use crate::radiometry::Rgb;
 
@@ -233,6 +234,35 @@ impl Film {
         let n_pixels = self.n_pixels().max(1) as f64;
         let variance = deviations / n_pixels * self.variance_of_deviations();
         (sum > 0.0).then(|| variance.sqrt() / (sum / n_pixels))
+    }
+
+    /// [`Self::estimated_error`] of each layer by itself, tail last, from the pixels of which
+    /// batches are kept. `None` where nothing is known: of a layer that no light has come to, and
+    /// of a film whose history is not known.
+    #[must_use]
+    pub fn layer_errors(&self) -> Vec<Option<f64>> {
+        let n_inside = self.n_watched_inside();
+        let error = |(layer, mean): (usize, &[f64; 3])| {
+            let mean = mean.iter().sum::<f64>() / 3.0;
+            let n = self.n_iterations();
+            let variance = self.layer_spread.variance(layer, n, n_inside)?;
+            (mean > 0.0).then_some(variance.sqrt() / mean)
+        };
+        self.layer_means().iter().enumerate().map(error).collect()
+    }
+
+    /// How many of the pixels that are watched are in the image.
+    fn n_watched_inside(&self) -> usize {
+        let grid = self.grid();
+        let per_tile = self.batch_means.per_tile();
+        let of_tile = |tile: usize| {
+            let bounds = grid.bounds(tile);
+            let [width, height] = [0, 1].map(|i| bounds.end[i] - bounds.start[i]);
+            let watched = watched_pixels(per_tile);
+            let inside = watched.filter(|p| p % TILE < width && p / TILE < height);
+            inside.count()
+        };
+        (0..grid.n_tiles()).map(of_tile).sum()
     }
 
     /// A row of a layer, the total or the deviations, tile by tile.

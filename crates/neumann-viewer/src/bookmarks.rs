@@ -75,6 +75,7 @@ mod tests {
             aspect_ratio: None,
             projection: Projection::Perspective { yfov: 0.7 },
             lens: None,
+            crop: None,
         };
         let view = |name: &str| KeptView {
             name: name.to_owned(),

@@ -10,8 +10,8 @@ use neumann_picture::photons::PhotonColours;
 use neumann_picture::quantity::Quantity;
 
 use crate::options::{
-    DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, photon_colours, positive, size,
-    whole,
+    DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, photon_colours, positive, region,
+    size, whole,
 };
 
 /// The whole command line.
@@ -207,6 +207,7 @@ impl Looked {
     neumann render room.gltf -o room.exr --iterations 4096 --resume\n  \
     neumann render lamps -o l.exr --integrator bdpt --techniques pyramid\n  \
     neumann render cornell-glass --integrator pm --photons photons.png\n  \
+    neumann render room.gltf -o part.exr --size 1280x720 --region 400,200,320,200\n  \
     neumann render room.gltf -o part2.exr --first-iteration 1024 --iterations 1024 --threads 8\n  \
     neumann render cornell -o shard3.exr --iterations 4096 --shard 3/8\n  \
     neumann render room.gltf -o room.png --env sun --env-rotation 90 --exposure auto\n  \
@@ -225,6 +226,10 @@ pub(crate) struct RenderArguments {
     pub(crate) outputs: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) settings: SettingsOptions,
+    /// Render only a part of the picture of --size, and write that: column and row of its upper
+    /// left corner, columns and rows
+    #[arg(long, value_name = "X,Y,W,H", value_parser = region, allow_hyphen_values = true)]
+    pub(crate) region: Option<[usize; 4]>,
     #[command(flatten)]
     pub(crate) goal: GoalOptions,
     #[command(flatten)]

@@ -316,6 +316,7 @@ fn cameras_and_environments_differ_in_words_where_they_differ() {
         aspect_ratio: None,
         projection: Projection::Perspective { yfov: 0.7 },
         lens: None,
+        crop: None,
     };
     let mut other = camera.clone();
     other.name = "two".to_owned();

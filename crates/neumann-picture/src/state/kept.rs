@@ -55,6 +55,7 @@ mod tests {
             aspect_ratio: None,
             projection: Projection::Perspective { yfov },
             lens: None,
+            crop: None,
         };
         KeptView {
             name: "from the door".to_owned(),

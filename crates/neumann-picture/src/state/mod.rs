@@ -300,6 +300,7 @@ impl CameraState {
                 aperture: lens.aperture.0,
                 focus_distance: lens.focus_distance.0,
             }),
+            crop: None,
         }
     }
 }

@@ -34,6 +34,7 @@ fn cameras() -> Vec<(&'static str, Camera)> {
             aspect_ratio: None,
             projection,
             lens,
+            crop: None,
         };
         (name, Camera::new(&description, 12, 8))
     })

@@ -58,3 +58,36 @@ fn estimated_errors_are_the_errors_of_the_picture() {
         }
     }
 }
+
+/// The estimates of single terms, beside what renders by other seeds are apart. Direct light on
+/// `cornell` converges faster than 16 iterations can tell: 1.5 times too large is the safe side.
+#[test]
+fn errors_of_terms_are_those_of_their_layers() {
+    let mut ratios = Vec::new();
+    for (scene, id) in [("cornell", "pt-mis"), ("cornell", "bdpt"), ("lamps", "ppm")] {
+        let setup = Setup::new(&builtin(scene), 32, 32).by(method(id).unwrap());
+        let films: Vec<Film> = (0..N_SEEDS)
+            .map(|seed| setup.clone().seeded(seed.into()).film(0, 16))
+            .collect();
+        for layer in 1..=4 {
+            let pairs = films.iter().zip(films.iter().skip(1));
+            let squares = pairs.flat_map(|(a, b)| {
+                let (a, b) = (a.layer(layer), b.layer(layer));
+                let channels = a.into_iter().zip(b).flat_map(|(a, b)| (a - b).to_array());
+                channels.collect::<Vec<f32>>()
+            });
+            let error = mean(squares.map(|d| f64::from(d).powi(2) / 2.0)).sqrt();
+            let radiance = |film: &Film| film.layer_means()[layer].iter().sum::<f64>() / 3.0;
+            let error = error / mean(films.iter().map(radiance));
+            let estimates = films.iter().map(|film| film.layer_errors()[layer].unwrap());
+            let estimated = mean(estimates.map(|e| e * e)).sqrt();
+            let ratio = estimated / error;
+            ratios.push((scene, id, layer, ratio));
+        }
+    }
+    let is_right = |ratio: f64| (0.8..1.6).contains(&ratio);
+    assert!(
+        ratios.iter().all(|(.., ratio)| is_right(*ratio)),
+        "{ratios:?}"
+    );
+}

@@ -17,6 +17,7 @@ mod merging;
 mod own_light;
 mod photons;
 mod reference;
+mod region;
 mod replay;
 mod sampling;
 mod scenes;

@@ -87,6 +87,7 @@ fn straight(height: f32, direction: Vec3) -> CameraDescription {
         aspect_ratio: None,
         projection: Projection::Orthographic { ymag: 0.2 },
         lens: None,
+        crop: None,
     }
 }
 

@@ -206,6 +206,7 @@ pub fn above_square(half: f32, height: f32) -> CameraDescription {
         aspect_ratio: None,
         projection: Projection::Orthographic { ymag: half },
         lens: None,
+        crop: None,
     }
 }
 
@@ -223,5 +224,6 @@ pub fn looking(eye: Vec3, target: Vec3) -> CameraDescription {
         aspect_ratio: None,
         projection: Projection::Perspective { yfov: FRAC_PI_2 },
         lens: None,
+        crop: None,
     }
 }

@@ -1,11 +1,12 @@
 //! Pictures and their files, for the command and for the window.
 //!
-//! Rooms, in reading order: [`tone`] and [`false_colour`] take radiance to the
-//! screen; [`files`] writes without ever leaving half a file; [`png_file`] and
-//! [`exr_file`] keep pictures, the latter a whole film with its history, so that
-//! a render can be gone on with; [`image_file`] reads any picture back;
-//! [`compare`] measures how far two are apart; [`photons`] colours photons; [`sheet`] lays out the
-//! series; [`state`] keeps all that a person has chosen.
+//! Rooms, in reading order: [`tone`] and [`false_colour`] take radiance to the screen; [`files`]
+//! writes without ever leaving half a file; [`png_file`] and [`exr_file`] keep pictures, the latter
+//! a whole film with its history, so that a render can be gone on with; [`image_file`] reads any
+//! picture back; [`compare`] measures how far two are apart; [`photons`] colours photons,
+//! [`quantity`] what a pixel holds beside radiance; [`histogram`] counts how bright they are;
+//! [`sheet`] lays out the series; [`figures`] writes numbers; [`state`] keeps all that a person has
+//! chosen.
 //!
 //! Knows no window and no terminal.
 
@@ -13,10 +14,13 @@ pub mod compare;
 mod error;
 pub mod exr_file;
 pub mod false_colour;
+pub mod figures;
 pub mod files;
+pub mod histogram;
 pub mod image_file;
 pub mod photons;
 pub mod png_file;
+pub mod quantity;
 pub mod sheet;
 pub mod state;
 pub mod tone;

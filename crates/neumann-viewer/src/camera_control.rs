@@ -272,6 +272,7 @@ mod tests {
             aspect_ratio: None,
             projection: Projection::Perspective { yfov: 0.7 },
             lens: None,
+            crop: None,
         };
         CameraControl::new(
             camera,

@@ -11,7 +11,7 @@ use crate::display::{Draw, Slot, ViewSettings};
 use crate::formula::{self, Formula};
 use crate::picture::Picture;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{focus_ring, segmented, segmented_width};
+use crate::widgets::{focus_ring, segmented, segmented_width, significant};
 
 /// What the filmstrip looks like.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -292,19 +292,31 @@ fn tile_of(
         painter.rect_stroke(tile, 4, stroke, StrokeKind::Inside);
     }
     focus_ring(ui, &response, tile, 4);
-    name_for_ears(&response, view, is_chosen, share);
+    explain(response, view, is_chosen, picture);
 }
 
-fn name_for_ears(response: &egui::Response, view: View, is_chosen: bool, share: Option<f64>) {
+/// Says what a place shows: for whoever does not see it, and where the pointer rests on it.
+fn explain(response: egui::Response, view: View, is_chosen: bool, picture: &Picture) {
     response.widget_info(|| {
         WidgetInfo::selected(Role::RadioButton, true, is_chosen, formula::spoken(view))
     });
+    let about = about(view, picture);
     response.ctx.accesskit_node_builder(response.id, |node| {
-        let share = share.map_or_else(String::new, |s| {
-            format!(", {:.1} % of the energy", 100.0 * s)
-        });
-        node.set_description(format!("{}{share}", view.caption()));
+        node.set_description(about.as_str());
     });
+    response.on_hover_text(about);
+}
+
+/// What a view shows, its share of the energy and its error, as far as they are known.
+fn about(view: View, picture: &Picture) -> String {
+    let share = picture.share(view);
+    let share = share.map(|s| format!(", {:.1} % of the energy", 100.0 * s));
+    let error = picture.error(view).map(|error| {
+        let percent = significant(100.0 * error, 2);
+        format!(", error about {percent} %")
+    });
+    let [share, error] = [share, error].map(Option::unwrap_or_default);
+    format!("{}{share}{error}", view.caption())
 }
 
 /// The strip of a small window: one row, names and shares only.
@@ -361,6 +373,6 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
             painter.rect_stroke(chip, 4, stroke, StrokeKind::Inside);
         }
         focus_ring(ui, &response, chip, 4);
-        name_for_ears(&response, view, is_chosen, share);
+        explain(response, view, is_chosen, picture);
     });
 }

@@ -11,6 +11,7 @@
 
 pub mod app;
 pub mod blind_spots;
+pub mod bookmarks;
 pub mod camera_control;
 pub mod command_line;
 pub mod compared;
@@ -21,6 +22,7 @@ pub mod flight;
 pub mod formula;
 pub mod gallery;
 pub mod help;
+pub mod histogram;
 pub mod history;
 pub mod keys;
 mod memory;

@@ -16,6 +16,12 @@ pub(crate) fn keep(file: &std::path::Path, text: &str) {
         .and_then(|()| std::fs::write(file, text));
 }
 
+/// A scene as it is remembered: a built-in scene's name, or a path that means the same from every
+/// folder.
+pub(crate) fn lasting(scene: &str) -> String {
+    std::fs::canonicalize(scene).map_or_else(|_| scene.to_owned(), |p| p.display().to_string())
+}
+
 /// Where programs keep what they remember about their user.
 fn config_folder() -> Option<PathBuf> {
     let var = |name| {

@@ -6,6 +6,7 @@ use glam::Vec3;
 use neumann_core::film::View;
 use neumann_core::render::StopRule;
 use neumann_core::scene::{Backs, SkyChoice};
+use neumann_picture::quantity::Quantity;
 use neumann_picture::state::State;
 use neumann_picture::tone::ToneCurve;
 
@@ -39,6 +40,8 @@ pub struct ViewOptions {
     pub stop: StopRule,
     /// Which part of the series is shown.
     pub part: View,
+    /// What stands in place of the picture, if anything.
+    pub quantity: Option<Quantity>,
     /// Exposure.
     pub exposure: Exposure,
     /// Tone curve.

@@ -53,6 +53,8 @@ pub struct Picture {
     pub stats: Stats,
     /// Share of each layer in the energy, tail last.
     pub shares: Vec<f64>,
+    /// Estimated relative error of each layer, tail last; `None` where it is not known.
+    pub layer_errors: Vec<Option<f64>>,
     /// Small images of the layers, tail last.
     pub thumbnails: Vec<Thumbnail>,
     thumbnails_version: u64,
@@ -99,6 +101,7 @@ impl Picture {
             self.thumbnails_version = published.thumbnails_version;
             self.thumbnails.clone_from(&published.thumbnails);
             self.shares.clone_from(&published.energy_shares);
+            self.layer_errors.clone_from(&published.layer_errors);
             self.planes.lock().put_thumbnails(&self.thumbnails);
         }
     }
@@ -214,5 +217,16 @@ impl Picture {
         let n_layers = self.shares.len().checked_sub(1)?;
         let shares = self.shares.get(view.layers(n_layers)?)?;
         Some(shares.iter().sum())
+    }
+
+    /// Estimated relative error of a term, of the tail or of L; `None` where it is not known.
+    #[must_use]
+    pub fn error(&self, view: View) -> Option<f64> {
+        match view {
+            View::Total => self.stats.estimated_error,
+            View::Term(k) if k < self.n_layers => *self.layer_errors.get(k)?,
+            View::Tail => *self.layer_errors.get(self.n_layers)?,
+            View::Term(_) | View::Upto(_) => None,
+        }
     }
 }

@@ -25,13 +25,7 @@ impl Reading {
         let (x, y) = crate::display::image_area::Placement::pixel(fraction, size);
         let index = y * size.0 + x;
         let total = film.radiance(Part::Total, index).luminance();
-        let variance = film.variance_of_mean(index);
-        // Channels are correlated; this takes them as moving together, which is the safe side.
-        let weights = Rgb::new(0.2126, 0.7152, 0.0722);
-        let deviation = (variance.map(f32::sqrt) * weights)
-            .to_array()
-            .iter()
-            .sum::<f32>();
+        let deviation = film.luminance_error(index);
         let is_known = film.n_iterations() > 1 && total > 0.0;
         let number = |v: f32| significant(f64::from(v), 4);
         let Rgb { r, g, b } = film.radiance(part, index);

@@ -37,8 +37,7 @@ impl Recent {
 
     /// Puts a path first.
     pub fn add(&mut self, path: &str) {
-        let path = std::fs::canonicalize(path)
-            .map_or_else(|_| path.to_owned(), |p| p.display().to_string());
+        let path = memory::lasting(path);
         self.paths.retain(|p| *p != path);
         self.paths.insert(0, path);
         self.paths.truncate(N_KEPT);

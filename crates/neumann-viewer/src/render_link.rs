@@ -16,6 +16,7 @@ pub struct RenderLink {
     generation: u64,
     is_recording: bool,
     draws_photons: bool,
+    traces_features: bool,
 }
 
 enum End {
@@ -60,6 +61,7 @@ impl RenderLink {
             generation: 0,
             is_recording: false,
             draws_photons: false,
+            traces_features: false,
         }
     }
 
@@ -151,6 +153,20 @@ impl RenderLink {
     #[must_use]
     pub fn draws_photons(&self) -> bool {
         self.draws_photons
+    }
+
+    /// Begins or ends keeping what the camera sees first.
+    pub fn trace_features(&mut self, is_on: bool) {
+        self.traces_features = is_on;
+        if let End::Live(render_loop) = &self.end {
+            render_loop.trace_features(is_on);
+        }
+    }
+
+    /// True while what the camera sees first is kept.
+    #[must_use]
+    pub fn traces_features(&self) -> bool {
+        self.traces_features
     }
 
     /// Changes when rendering is done, without starting anew.

@@ -318,5 +318,8 @@ impl Session {
         if self.link.draws_photons() != needs.photons {
             self.link.draw_photons(needs.photons);
         }
+        if self.link.traces_features() != needs.features {
+            self.link.trace_features(needs.features);
+        }
     }
 }

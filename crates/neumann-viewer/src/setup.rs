@@ -8,9 +8,11 @@ use neumann_core::integrator::{DEFAULT_METHOD, METHODS, Method, ParameterValues}
 use neumann_core::render::{RenderSettings, StopRule, lit};
 use neumann_core::scene::description::EnvironmentDescription;
 use neumann_core::scene::{Appearance, Backs, BetterTree, Scene, Sky, SkyChoice};
+use neumann_picture::state::KeptView;
 
 use crate::camera_control::CameraControl;
 use crate::options::{CameraOptions, EnvironmentOptions, ViewOptions};
+use crate::state;
 
 /// A scene that has been opened.
 pub struct OpenScene {
@@ -102,6 +104,10 @@ pub struct Setup {
     pub sky: Option<SkyChoice>,
     /// The camera under the user's hand.
     pub camera: Option<CameraControl>,
+    /// Cameras of this scene that were kept,
+    pub views: Vec<KeptView>,
+    /// and the one that was kept or gone to last.
+    pub view: Option<usize>,
     /// Index into [`METHODS`].
     pub method: usize,
     /// Parameters of every method, so that coming back to one finds them.
@@ -154,6 +160,8 @@ impl Setup {
             open: None,
             sky: None,
             camera: None,
+            views: Vec::new(),
+            view: None,
             method,
             values,
             max_bounces: options.max_bounces.unwrap_or(16),
@@ -188,6 +196,8 @@ impl Setup {
             .first()
             .map(|camera| CameraControl::new(camera.clone(), scene.subject()));
         self.sky = None;
+        self.views = Vec::new();
+        self.view = None;
         self.open = Some(OpenScene {
             source,
             original: scene.appearance().clone(),
@@ -214,7 +224,44 @@ impl Setup {
         if let Some(camera) = open.scene.cameras().get(index) {
             open.camera = index;
             control.take(camera.clone());
+            self.view = None;
             self.is_changed = true;
+        }
+    }
+
+    /// Keeps the present camera as the view of that number, in place of the one there, or as one
+    /// more where there is none; yields its number. `None` while there is no scene.
+    pub fn keep_view(&mut self, index: usize) -> Option<usize> {
+        let camera = state::camera_of(self)?;
+        let index = index.min(self.views.len());
+        if let Some(view) = self.views.get_mut(index) {
+            view.camera = camera;
+        } else {
+            let is_free = |name: &String| self.views.iter().all(|view| view.name != *name);
+            let mut names = (1..).map(|n| format!("View {n}"));
+            let name = names.find(is_free).unwrap_or_default();
+            self.views.push(KeptView { name, camera });
+        }
+        self.view = Some(index);
+        Some(index)
+    }
+
+    /// Puts the camera where a view was kept; false if there is none of that number.
+    pub fn go_to_view(&mut self, index: usize) -> bool {
+        let Some(view) = self.views.get(index).cloned() else {
+            return false;
+        };
+        state::take_camera(&view.camera, self);
+        self.view = Some(index);
+        self.is_changed = true;
+        true
+    }
+
+    /// Forgets a view.
+    pub fn forget_view(&mut self, index: usize) {
+        if index < self.views.len() {
+            self.views.remove(index);
+            self.view = None;
         }
     }
 

@@ -7,8 +7,10 @@ use std::sync::Arc;
 
 use egui::Context;
 
+use crate::bookmarks::Bookmarks;
 use crate::file_list::FileList;
 use crate::gallery::Gallery;
+use crate::histogram::LiveHistogram;
 use crate::keys::{Action, Places};
 use crate::notices::Notices;
 use crate::panels::Page;
@@ -43,10 +45,14 @@ pub struct Shell {
     pub picked: Option<Picked>,
     /// The Scene page scrolls to it in this frame.
     pub(crate) reveals_pick: bool,
+    /// The histogram of the Display page.
+    pub histogram: LiveHistogram,
     /// Small pictures of the built-in scenes.
     pub gallery: Gallery,
     /// Scenes and states opened lately.
     pub recent: Recent,
+    /// Views of scenes that were kept.
+    pub bookmarks: Bookmarks,
     /// What the window has to say.
     pub notices: Notices,
     /// What runs in the background.
@@ -111,8 +117,10 @@ impl Shell {
             material: None,
             picked: None,
             reveals_pick: false,
+            histogram: LiveHistogram::default(),
             gallery: Gallery::new(Arc::clone(&wake)),
             recent: Recent::default(),
+            bookmarks: Bookmarks::default(),
             notices: Notices::default(),
             background: Background::new(wake),
             gives_panel_the_keyboard: false,

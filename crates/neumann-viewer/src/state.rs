@@ -21,17 +21,13 @@ use crate::viewing::Viewing;
 #[must_use]
 pub fn of(session: &Session, viewing: &Viewing) -> Option<State> {
     let setup = &session.setup;
-    let (open, control) = (setup.open.as_ref()?, setup.camera.as_ref()?);
+    let open = setup.open.as_ref()?;
     let settings = &viewing.settings;
     let appearance = open.scene.appearance();
     let render = State::of_render(&open.source, &setup.settings()?);
     Some(State {
-        camera: Some(CameraState {
-            of_file: open.camera,
-            target: Some(Exact::all(control.target().to_array())),
-            up: Some(Exact::all(control.up().to_array())),
-            ..CameraState::of(control.camera())
-        }),
+        camera: camera_of(setup),
+        views: setup.views.clone(),
         size: match setup.film_size {
             FilmSize::Window => None,
             FilmSize::Locked => Some(setup.size.into()),
@@ -70,6 +66,17 @@ pub fn of(session: &Session, viewing: &Viewing) -> Option<State> {
     })
 }
 
+/// The camera as it stands; `None` while there is no scene.
+pub(crate) fn camera_of(setup: &Setup) -> Option<CameraState> {
+    let (open, control) = (setup.open.as_ref()?, setup.camera.as_ref()?);
+    Some(CameraState {
+        of_file: open.camera,
+        target: Some(Exact::all(control.target().to_array())),
+        up: Some(Exact::all(control.up().to_array())),
+        ..CameraState::of(control.camera())
+    })
+}
+
 /// The sky that a state asks for in place of the scene's.
 #[must_use]
 pub fn sky(state: &State) -> Option<SkyChoice> {
@@ -86,6 +93,15 @@ pub fn take_up(state: &State, session: &mut Session, viewing: &mut Viewing) -> V
     if let Some(camera) = &state.camera {
         take_camera(camera, setup);
     }
+    // Those that were kept before stay, behind those of the state.
+    let mut views = state.views.clone();
+    views.extend(
+        setup
+            .views
+            .drain(..)
+            .filter(|view| !state.views.contains(view)),
+    );
+    setup.views = views;
     if let Some(open) = &setup.open {
         let mut appearance = open.scene.appearance().clone();
         take_edits(&state.edits, &mut appearance, &mut complaints);
@@ -115,7 +131,8 @@ pub fn take_environment(state: &EnvironmentState, appearance: &mut Appearance) {
     }
 }
 
-fn take_camera(state: &CameraState, setup: &mut Setup) {
+/// Puts the camera as it stood.
+pub(crate) fn take_camera(state: &CameraState, setup: &mut Setup) {
     setup.take_camera(state.of_file);
     let Some(control) = &mut setup.camera else {
         return;

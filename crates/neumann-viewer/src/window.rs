@@ -17,6 +17,7 @@ use winit::platform::modifier_supplement::KeyEventExtModifierSupplement;
 use winit::window::{Fullscreen, Window, WindowId};
 
 use crate::app::App;
+use crate::bookmarks::Bookmarks;
 use crate::keys::Places;
 use crate::onlooker::{Nudge, Onlooker};
 use crate::options::{ViewError, ViewOptions};
@@ -149,6 +150,7 @@ impl Handler<'_> {
             let _ = proxy.send_event(Event::Wake);
         });
         app.shell.recent = Recent::load();
+        app.shell.bookmarks = Bookmarks::load();
         app.shell.text_scale = TextScale::load();
         app.shell.places = Places::of_display();
         app.open_first_scene();

@@ -13,8 +13,9 @@ use neumann_core::radiometry::Rgb;
 use neumann_picture::tone::ToneCurve;
 use neumann_viewer::app::App;
 use neumann_viewer::display::{Draw, FilmGpu, Mode, SharedPlanes, Slot, ViewSettings};
+use neumann_viewer::panels::Page;
 
-use support::{app, app_with_photons, app_with_techniques};
+use support::{app, app_with_photons, app_with_quantities, app_with_techniques};
 
 /// True if there is an adapter; otherwise says so, and fails where tests must really run.
 fn has_adapter() -> bool {
@@ -81,6 +82,21 @@ fn the_window_looks_as_it_did() {
             builder(size, theme).build_ui_state(|ui, app: &mut App| app.ui(ui), app_with_photons());
         harness.run_steps(4);
         harness.key_press(Key::P);
+        harness.run_steps(4);
+        results.add(harness.try_snapshot(name));
+    }
+    for (name, size, theme, view) in [
+        ("normals", [1280.0, 720.0], Theme::Dark, "normal"),
+        ("depths_small", [640.0, 420.0], Theme::Light, "depth"),
+    ] {
+        let mut harness = builder(size, theme)
+            .build_ui_state(|ui, app: &mut App| app.ui(ui), app_with_quantities());
+        harness.state_mut().shell.show_page(Page::Display);
+        harness.run_steps(4);
+        let app = harness.state_mut();
+        let (views, settings) = (&mut app.viewing.views, &app.viewing.settings);
+        let shown = views.show(view, &app.session.setup, settings);
+        assert_eq!(shown, Ok(()), "{view}");
         harness.run_steps(4);
         results.add(harness.try_snapshot(name));
     }

@@ -20,7 +20,7 @@ use neumann_viewer::app::App;
 use neumann_viewer::setup::FilmSize;
 use neumann_viewer::state;
 
-use support::{app, app_with_photons, app_with_techniques};
+use support::{app, app_with_photons, app_with_quantities, app_with_techniques};
 
 fn harness_of(app: App) -> Harness<'static, App> {
     let mut harness = Harness::builder()
@@ -229,6 +229,44 @@ fn a_state_of_photons_shows_them_again() {
     second.run_steps(2);
     assert_eq!(state_of(&second), saved);
     assert_eq!(second.state().viewing.views.shown().id, "photons");
+}
+
+#[test]
+fn a_state_of_what_pixels_hold_shows_it_again() {
+    let mut first = harness_of(app_with_quantities());
+    for _ in 0..3 {
+        first.key_press(Key::N);
+        first.run_steps(2);
+    }
+    let saved = state_of(&first);
+    assert_eq!(saved.view, "depth");
+    let mut second = harness_of(app_with_quantities());
+    second.state_mut().open_state(Box::new(saved.clone()));
+    wait(&mut second, |app| !app.is_loading());
+    second.run_steps(2);
+    assert_eq!(state_of(&second), saved);
+    assert_eq!(second.state().viewing.views.shown().id, "depth");
+}
+
+#[test]
+fn a_state_has_the_views_that_were_kept() {
+    let mut first = harness_of(app());
+    let keys = Modifiers::COMMAND | Modifiers::SHIFT;
+    first.key_press_modifiers(keys, Key::Num1);
+    first.run_steps(2);
+    let saved = state_of(&first);
+    assert_eq!(saved.views.len(), 1);
+    let mut second = harness_of(app());
+    second.key_press(Key::F);
+    second.run_steps(2);
+    second.key_press_modifiers(keys, Key::Num1);
+    second.run_steps(2);
+    second.state_mut().open_state(Box::new(saved.clone()));
+    wait(&mut second, |app| !app.is_loading());
+    second.run_steps(2);
+    let views = &state_of(&second).views;
+    assert_eq!(views.len(), 2, "what was kept before is not lost");
+    assert_eq!(views[0], saved.views[0]);
 }
 
 #[test]

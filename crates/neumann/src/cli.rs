@@ -1,15 +1,17 @@
 //! What can be typed.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use neumann_core::film::View;
 use neumann_picture::photons::PhotonColours;
+use neumann_picture::quantity::Quantity;
 
 use crate::options::{
-    DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, photon_colours, positive, size,
-    whole,
+    DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, photon_colours, positive, region,
+    size, whole,
 };
 
 /// The whole command line.
@@ -100,6 +102,7 @@ const IN_STATE: [&str; 20] = [
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  \
     neumann view cornell --view T2\n  \
+    neumann view cornell --view depth --screenshot depth.png\n  \
     neumann view room.glb --integrator pt-nee --exposure 1.5 --tone agx\n  \
     neumann view --state shot.json\n  \
     neumann view cornell --screenshot window.png --after 64 --window-size 1280x720")]
@@ -115,9 +118,10 @@ pub(crate) struct ViewArguments {
     pub(crate) settings: SettingsOptions,
     #[command(flatten)]
     pub(crate) display: DisplayOptions,
-    /// What is shown: L, T0, T1, …, tail, or upto:K for a partial sum
+    /// What is shown: L, T0, T1, …, tail, or upto:K for a partial sum; or albedo, normal, depth,
+    /// error or samples
     #[arg(long, default_value = "L", value_name = "VIEW")]
-    pub(crate) view: View,
+    pub(crate) view: Looked,
     /// Stop after so many iterations
     #[arg(long, value_name = "N", value_parser = whole(1..=u32::MAX), allow_hyphen_values = true)]
     pub(crate) iterations: Option<u32>,
@@ -152,6 +156,45 @@ pub(crate) struct ViewArguments {
     pub(crate) light_theme: bool,
 }
 
+/// What `--view` shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Looked {
+    /// A part of the series.
+    Part(View),
+    /// What a pixel holds beside radiance.
+    Quantity(Quantity),
+}
+
+impl FromStr for Looked {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let quantity = text.parse().map(Self::Quantity);
+        let part = || text.parse().map(Self::Part);
+        quantity.or_else(|_| part()).map_err(|_| {
+            let names = Quantity::ALL.map(Quantity::name).join(", ");
+            format!("'{text}' is not a view; use L, T0, T1, …, tail, upto:K, or one of {names}")
+        })
+    }
+}
+
+#[cfg(feature = "window")]
+impl Looked {
+    pub(crate) fn part(self) -> View {
+        match self {
+            Self::Part(part) => part,
+            Self::Quantity(_) => View::Total,
+        }
+    }
+
+    pub(crate) fn quantity(self) -> Option<Quantity> {
+        match self {
+            Self::Part(_) => None,
+            Self::Quantity(quantity) => Some(quantity),
+        }
+    }
+}
+
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 #[command(
@@ -166,6 +209,7 @@ pub(crate) struct ViewArguments {
     neumann render room.gltf -o room.exr --iterations 4096 --resume\n  \
     neumann render lamps -o l.exr --integrator bdpt --techniques pyramid\n  \
     neumann render cornell-glass --integrator pm --photons photons.png\n  \
+    neumann render room.gltf -o part.exr --size 1280x720 --region 400,200,320,200\n  \
     neumann render room.gltf -o part2.exr --first-iteration 1024 --iterations 1024 --threads 8\n  \
     neumann render cornell -o shard3.exr --iterations 4096 --shard 3/8\n  \
     neumann render room.gltf -o room.png --env sun --env-rotation 90 --exposure auto\n  \
@@ -184,6 +228,10 @@ pub(crate) struct RenderArguments {
     pub(crate) outputs: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) settings: SettingsOptions,
+    /// Render only a part of the picture of --size, and write that: column and row of its upper
+    /// left corner, columns and rows
+    #[arg(long, value_name = "X,Y,W,H", value_parser = region, allow_hyphen_values = true)]
+    pub(crate) region: Option<[usize; 4]>,
     #[command(flatten)]
     pub(crate) goal: GoalOptions,
     #[command(flatten)]

@@ -27,7 +27,7 @@ use crate::progress::while_waiting;
 use crate::session::Shard;
 use crate::suggest::check_scene;
 
-pub(crate) use parse::{bytes, pixel, positive, size, whole};
+pub(crate) use parse::{bytes, pixel, positive, region, size, whole};
 
 /// Highest power of T where nothing else is asked for.
 const DEFAULT_MAX_BOUNCES: u32 = 16;
@@ -452,6 +452,7 @@ mod tests {
             aspect_ratio,
             projection: Projection::Perspective { yfov: 0.7 },
             lens: None,
+            crop: None,
         };
         assert_eq!(default_size(&with_aspect(None)), (512, 512));
         assert_eq!(default_size(&with_aspect(Some(2.0))), (512, 256));

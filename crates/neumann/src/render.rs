@@ -6,10 +6,13 @@ use anyhow::anyhow;
 use neumann_core::film::{Features, Film, TechniqueFilm, View};
 use neumann_core::integrator::{method, methods_with_photons};
 use neumann_core::photons::PhotonPicture;
+use neumann_core::render::RenderSettings;
+use neumann_core::scene::description::Crop;
 use neumann_picture::exr_file::{Metadata, Precision, write_techniques_exr};
 use neumann_picture::photons::{PhotonLook, PowerScale};
 use neumann_picture::png_file::write_png;
 use neumann_picture::sheet::{SheetInfo, photon_sheet, technique_sheet};
+use neumann_picture::state::State;
 use neumann_picture::tone::Display;
 use serde_json::{Value, json};
 
@@ -37,13 +40,20 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         outputs.extend([TECHNIQUES_EXR, TECHNIQUES_PNG].map(|name| folder.join(name)));
         outputs::check(&outputs)?;
     }
-    let (scene, settings) = arguments.settings.resolve(&arguments.scene)?;
+    let (scene, mut settings) = arguments.settings.resolve(&arguments.scene)?;
+    let whole = [settings.width, settings.height];
+    if let Some(region) = arguments.region {
+        crop(&mut settings, region)?;
+    }
     let inputs = arguments.settings.inputs(&arguments.scene, &scene);
     outputs::refuse_inputs(&outputs, &inputs)?;
     outputs::check_space(&arguments.outputs, &settings)?;
-    let state = arguments
-        .settings
-        .state(&arguments.scene, &scene, &settings);
+    let state = State {
+        size: Some(whole),
+        ..arguments
+            .settings
+            .state(&arguments.scene, &scene, &settings)
+    };
     let session = Session {
         state: Box::new(state),
         scene,
@@ -101,6 +111,25 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         console::json(&report(&rendered, &written))?;
     }
     completeness(&rendered)
+}
+
+/// Has a part of the picture rendered instead of all of it.
+fn crop(settings: &mut RenderSettings, [x, y, width, height]: [usize; 4]) -> Outcome {
+    let of = [settings.width, settings.height];
+    if x + width > of[0] || y + height > of[1] {
+        return Err(bad_input(format!(
+            "--region {x},{y},{width},{height}: reaches beyond the picture of {}x{}; choose a part \
+             of it, or a larger --size",
+            of[0], of[1]
+        )));
+    }
+    settings.camera.crop = Some(Crop {
+        of,
+        at: [x, y],
+        size: [width, height],
+    });
+    [settings.width, settings.height] = [width, height];
+    Ok(())
 }
 
 /// When rendering is done: after one iteration, where photons are all that is asked for.
@@ -264,6 +293,17 @@ pub(crate) fn report(rendered: &Rendered, outputs: &[PathBuf]) -> Value {
         "peak_memory_bytes": peak_bytes(),
         "outputs": outputs,
     });
+    let n_layers = film.n_layers();
+    let errors = rendered.layer_errors.iter().enumerate();
+    let errors = errors.map(|(layer, error)| {
+        let view = if layer < n_layers {
+            View::Term(layer)
+        } else {
+            View::Tail
+        };
+        (view.to_string(), json!(error))
+    });
+    report["term_errors"] = Value::Object(errors.collect());
     if let Some(photons) = rendered.photons {
         report["photons"] = json!({
             "radius": photons.radius,

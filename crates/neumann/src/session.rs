@@ -137,6 +137,8 @@ pub(crate) struct Rendered {
     pub(crate) metadata: Metadata,
     /// Estimated relative error; `None` while it is unknown.
     pub(crate) estimated_error: Option<f64>,
+    /// Of each layer by itself, tail last.
+    pub(crate) layer_errors: Vec<Option<f64>>,
     /// Samples (paths of pixels) and rays per second, of this run; `None` if it rendered nothing.
     pub(crate) samples_per_second: Option<f64>,
     pub(crate) rays_per_second: Option<f64>,
@@ -244,6 +246,7 @@ impl Session {
         progress.finish();
         metadata.n_refused = film.n_refused();
         let estimated_error = renderer.estimated_error(&film);
+        let layer_errors = renderer.layer_errors(&film);
         let techniques = renderer.techniques().cloned();
         let draws_photons = self.draws_photons && film.n_iterations() > 0;
         let photon_picture = draws_photons.then(|| draw_photons(&mut renderer)).flatten();
@@ -256,6 +259,7 @@ impl Session {
             features,
             metadata,
             estimated_error,
+            layer_errors,
             samples_per_second: per_second(n_samples),
             rays_per_second: per_second(n_rays),
             techniques,

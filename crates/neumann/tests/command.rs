@@ -190,6 +190,44 @@ fn wrong_usage_and_bad_input_end_with_2_and_one_line() {
 }
 
 #[test]
+fn a_region_is_rendered_alone_and_told_apart() {
+    let folder = Folder::new();
+    let line = "render cornell -o r.exr --size 48x48 --region 8,20,24,10 --iterations 4";
+    folder.succeed(line);
+    let film = folder.film("r.exr");
+    assert_eq!((film.film.width(), film.film.height()), (24, 10));
+    // What the camera sees first is that of the whole picture.
+    folder.succeed("render cornell -o w.exr --size 48x48 --iterations 1");
+    let (part, whole) = (
+        film.features.unwrap(),
+        folder.film("w.exr").features.unwrap(),
+    );
+    for (x, y) in [(0, 0), (23, 9), (11, 4)] {
+        let (a, b) = (part.depth[y * 24 + x], whole.depth[(y + 20) * 48 + x + 8]);
+        assert!((a / b - 1.0).abs() < 1e-4, "{x} {y}: {a} {b}");
+    }
+    for (line, said) in [
+        (
+            "render cornell -o r.exr --size 48x48 --region 9,20,24,10 --iterations 8 --resume",
+            "cannot be resumed",
+        ),
+        (
+            "render cornell -o r.exr --size 48x48 --region 30,20,24,10",
+            "reaches beyond the picture of 48x48",
+        ),
+        (
+            "render cornell -o r.exr --region 1,2,3",
+            "use COLUMN,ROW,WIDTH,HEIGHT",
+        ),
+    ] {
+        let output = folder.run(line);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{line}: {stderr}");
+        assert!(stderr.contains(said), "{line}: {stderr}");
+    }
+}
+
+#[test]
 fn a_render_writes_its_files_and_reports_what_it_did() {
     let folder = Folder::new();
     let line = "render furnace -o f.exr -o f.png --size 24x16 --iterations 16 --threads 2 --json";
@@ -207,6 +245,7 @@ fn a_render_writes_its_files_and_reports_what_it_did() {
         "rays_per_second",
         "refused",
         "estimated_error",
+        "term_errors",
         "peak_memory_bytes",
         "outputs",
     ];

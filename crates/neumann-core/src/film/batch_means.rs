@@ -86,11 +86,6 @@ impl BatchMeans {
         }
     }
 
-    /// Room for the values of an iteration, black: as many to a tile as [`Self::per_tile`].
-    pub(super) fn room(&self) -> Vec<Rgb> {
-        vec![Rgb::BLACK; self.n_values()]
-    }
-
     /// Pixels of each tile.
     pub(super) fn per_tile(&self) -> usize {
         self.per_tile
@@ -410,7 +405,7 @@ mod tests {
         let n = f64::from(numbers.end - numbers.start);
         let mut sums = vec![[0f64; 2]; n_pixels];
         for iteration in numbers {
-            let mut values = means.room();
+            let mut values = vec![Rgb::BLACK; means.n_values()];
             for (pixel, value) in values.iter_mut().enumerate() {
                 *value = Rgb::splat(f(pixel as u64, iteration));
                 let x = f64::from(value.r);

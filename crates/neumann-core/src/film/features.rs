@@ -15,6 +15,8 @@ use crate::transport::Tracer;
 /// First-hit features, row 0 on top.
 #[derive(Clone, Debug, Default)]
 pub struct Features {
+    /// Pixels per row.
+    pub width: usize,
     /// Share of light reflected or transmitted at the first surface, 0 where the ray leaves the
     /// scene.
     pub albedo: Vec<Rgb>,
@@ -46,6 +48,7 @@ impl Features {
             })
             .collect();
         Self {
+            width,
             albedo: pixels.iter().map(|p| p.0).collect(),
             normal: pixels.iter().map(|p| p.1).collect(),
             depth: pixels.iter().map(|p| p.2).collect(),

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::Frame;
 use super::batch_means::BatchMeans;
 use super::frame::{LitLayers, TILE_PIXELS, TileGrid};
+use super::layer_spread::LayerSpread;
 use super::means::Means;
 use super::tile::{FilmTile, NextFilm};
 use crate::radiometry::Rgb;
@@ -30,6 +31,8 @@ pub struct Film {
     older: Option<Arc<Means>>,
     /// How the spread of the iterations becomes the variance of their mean.
     batch_means: BatchMeans,
+    /// How each layer spreads.
+    layer_spread: LayerSpread,
     n_refused: u64,
 }
 
@@ -68,6 +71,7 @@ impl Film {
             recent: Means::new(n_tiles, (n_layers + 3) * TILE_PIXELS),
             older: None,
             batch_means: BatchMeans::new(n_tiles),
+            layer_spread: LayerSpread::new(n_tiles, n_layers + 1),
             n_refused: 0,
         }
     }
@@ -188,13 +192,13 @@ impl Film {
         }
         self.recent.n += 1;
         let step = 1.0 / self.recent.n as f32;
-        let mut watched = self.batch_means.room();
-        let per_tile = self.values_per_tile();
+        let mut watched = self.room();
+        let (per_tile, n_watched) = (self.values_per_tile(), self.n_watched());
         self.recent
             .values
             .par_chunks_exact_mut(per_tile)
             .zip(&mut self.recent.lit)
-            .zip(watched.par_chunks_exact_mut(self.batch_means.per_tile()))
+            .zip(watched.par_chunks_exact_mut(n_watched))
             .enumerate()
             .with_min_len(TILES_PER_TASK)
             .for_each(|(number, ((after, lit), watched))| {
@@ -212,7 +216,26 @@ impl Film {
                 };
                 tile.take(frame.tile(number), frame.lit(number));
             });
-        self.batch_means.push(frame.iteration, watched);
+        self.take_watched(frame.iteration, &watched);
+    }
+
+    /// Room for what is watched of an iteration, black.
+    fn room(&self) -> Vec<Rgb> {
+        vec![Rgb::BLACK; self.grid().n_tiles() * self.n_watched()]
+    }
+
+    /// Takes in what was watched of an iteration.
+    fn take_watched(&mut self, iteration: u32, watched: &[Rgb]) {
+        let per_tile = self.batch_means.per_tile();
+        let n_watched = self.n_watched();
+        // L comes first, then each layer.
+        let values = |plane: usize| {
+            let tiles = watched.chunks_exact(n_watched);
+            let of_plane = tiles.flat_map(|tile| &tile[plane * per_tile..][..per_tile]);
+            of_plane.copied().collect::<Vec<Rgb>>()
+        };
+        self.layer_spread.push(iteration, |layer| values(layer + 1));
+        self.batch_means.push(iteration, values(0));
     }
 
     /// True if the running mean starts again with the next iteration.
@@ -254,7 +277,7 @@ impl Film {
         } else {
             (before.older.clone(), before.recent.n + 1)
         };
-        let mut watched = before.batch_means.room();
+        let mut watched = before.room();
         let next = NextFilm {
             before,
             begins_anew,
@@ -266,7 +289,8 @@ impl Film {
         };
         self.n_refused = before.n_refused + run(next)?;
         self.batch_means = before.batch_means.clone();
-        self.batch_means.push(iteration, watched);
+        self.layer_spread = before.layer_spread.clone();
+        self.take_watched(iteration, &watched);
         Ok(())
     }
 
@@ -284,6 +308,7 @@ impl Film {
         self.recent = self.whole().join(&other.whole());
         self.older = None;
         self.batch_means.absorb(&other.batch_means);
+        self.layer_spread.absorb(&other.layer_spread);
         self.n_refused += other.n_refused;
         Ok(())
     }
@@ -304,9 +329,9 @@ impl Film {
         self.recent.lit[tile]
     }
 
-    /// Pixels of a tile of which batches are kept.
+    /// Values of a tile that are watched: L and each layer, at some of its pixels.
     pub(super) fn n_watched(&self) -> usize {
-        self.batch_means.per_tile()
+        self.batch_means.per_tile() * (self.n_layers + 2)
     }
 
     /// Where the value of a layer, the total or the deviations is at a pixel.
@@ -340,7 +365,7 @@ const TILES_PER_TASK: usize = 16;
 #[cfg(test)]
 mod tests {
     use super::{Film, Frame, NextFilm, TILE_PIXELS};
-    use crate::film::{View, add_to_tile};
+    use crate::film::{TILE, View, add_to_tile};
     use crate::radiometry::Rgb;
 
     fn frame_of(value: f32) -> Frame {
@@ -378,6 +403,54 @@ mod tests {
         assert_eq!(black.estimated_error(), None, "no light yet");
         assert_eq!(single.estimated_error(), None, "one has no spread");
         assert_eq!(Film::new(3, 2, 2).estimated_error(), None);
+    }
+
+    /// Sets the pixels of a layer of 3×2.
+    fn fill_inside(layer: &mut [Rgb], value: f32) {
+        for row in layer.chunks_exact_mut(TILE).take(2) {
+            row[..3].fill(Rgb::splat(value));
+        }
+    }
+
+    #[test]
+    fn a_layer_by_itself_has_its_own_error() {
+        let (mut film, mut other) = (Film::new(3, 2, 2), Film::new(3, 2, 2));
+        for (i, value) in [1.0, 2.5, 0.25, 6.0, 3.0, 1.5].into_iter().enumerate() {
+            let mut frame = Frame::new(3, 2, 2);
+            frame.iteration = i as u32;
+            let layers = frame.values().chunks_exact_mut(TILE_PIXELS);
+            // All light in the tail.
+            for (layer, factor) in layers.zip([0.0, 0.0, 1.0]) {
+                fill_inside(layer, factor * value);
+            }
+            film.add(&frame);
+            if i >= 4 {
+                other.add(&frame);
+            }
+        }
+        let [of_first, of_second, of_tail] = film.layer_errors()[..] else {
+            panic!("three layers");
+        };
+        assert_eq!([of_first, of_second], [None; 2], "no light came there");
+        let (tail, whole) = (of_tail.unwrap(), film.estimated_error().unwrap());
+        assert!((tail / whole - 1.0).abs() < 1e-5, "{tail} {whole}");
+        // What is merged knows as much.
+        let mut first = Film::new(3, 2, 2);
+        for (i, value) in [1.0, 2.5, 0.25, 6.0].into_iter().enumerate() {
+            let mut frame = frame_of(0.0);
+            frame.iteration = i as u32;
+            let layers = frame.values().chunks_exact_mut(TILE_PIXELS);
+            fill_inside(layers.last().unwrap(), value);
+            first.add(&frame);
+        }
+        first.merge(&other).unwrap();
+        let merged = first.layer_errors()[2].unwrap();
+        assert!((merged / tail - 1.0).abs() < 1e-5, "{merged} {tail}");
+        // A film from a file does not know.
+        let layers = film.layers();
+        let variance = [Rgb::WHITE; 6];
+        let read = Film::from_parts((3, 2), 6, layers, film.total(), &variance, 0).unwrap();
+        assert_eq!(read.layer_errors(), [None; 3]);
     }
 
     #[test]

@@ -47,6 +47,8 @@ pub struct Frame {
     pub(crate) n_rays_of_tiles: Vec<u32>,
     /// Paths that it is the mean of, of all pixels.
     pub(crate) n_samples: u64,
+    /// Paths from the camera that were traced for each pixel of a tile.
+    pub(crate) n_samples_of_tiles: Vec<u8>,
     /// What its photons were like, if it had any.
     pub(crate) photons: Option<PhotonReport>,
 }
@@ -208,6 +210,7 @@ impl Frame {
             n_rays: 0,
             n_rays_of_tiles: vec![0; n_tiles],
             n_samples: 0,
+            n_samples_of_tiles: vec![0; n_tiles],
             photons: None,
         }
     }
@@ -307,6 +310,7 @@ impl Frame {
         self.n_refused = 0;
         self.n_rays = 0;
         self.n_samples = (self.width * self.height) as u64;
+        self.n_samples_of_tiles.fill(0);
         self.photons = None;
     }
 }

@@ -12,7 +12,9 @@ pub mod features;
 #[allow(clippy::module_inception, reason = "the Film itself")]
 mod film;
 mod frame;
+mod layer_spread;
 mod means;
+mod sample_map;
 pub mod techniques;
 mod tile;
 pub mod view;
@@ -22,6 +24,7 @@ pub use features::Features;
 pub use film::{Film, FilmError, Spread};
 pub use frame::{Frame, PhotonReport};
 pub(crate) use frame::{LitLayers, Slot, TILE, TILE_PIXELS, TileBounds, TileGrid, add_to_tile};
+pub use sample_map::SampleMap;
 pub use techniques::{TechniqueCell, TechniqueFilm, TechniqueImage, TechniqueRow, TechniqueTable};
 pub(crate) use tile::{FilmTile, NextFilm};
 pub use view::View;

@@ -74,7 +74,8 @@ pub(crate) struct FilmTile<'a> {
     pub(super) after: &'a mut [Rgb],
     /// and which layers of that are not black.
     pub(super) lit: &'a mut LitLayers,
-    /// Where the values of some pixels go, of the iteration alone; black.
+    /// Where the values of some pixels go, of the iteration alone: those of L, then those of each
+    /// layer; black.
     pub(super) watched: &'a mut [Rgb],
     /// One over the number of iterations, with this one.
     pub(super) step: f32,
@@ -100,10 +101,20 @@ impl FilmTile<'_> {
         let [layers @ .., total, deviations] = after else {
             return;
         };
+        let n_watched = self.watched.len() / (layers.len() + 1);
+        let (watched, watched_layers) = self.watched.split_at_mut(n_watched);
         let mut sum = BLACK;
         for (layer, (mean, values)) in layers.iter_mut().zip(layers_of(values)).enumerate() {
             if is_lit.contains(layer) {
-                let values = if lit.contains(layer) { values } else { &BLACK };
+                let values = if lit.contains(layer) {
+                    watch(
+                        values,
+                        &mut watched_layers[layer * n_watched..][..n_watched],
+                    );
+                    values
+                } else {
+                    &BLACK
+                };
                 let before = match before {
                     // Memory that was never touched is not read either.
                     _ if !lit_before.contains(layer) => &BLACK,
@@ -121,7 +132,7 @@ impl FilmTile<'_> {
             _ => [&total.clone(), &deviations.clone()],
         };
         deviate(before, &sum, step, total, deviations);
-        watch(&sum, self.watched);
+        watch(&sum, watched);
     }
 }
 
@@ -156,13 +167,19 @@ fn deviate(
     }
 }
 
-/// Picks pixels at even distances.
+/// Picks the pixels that are watched.
 fn watch(values: &Layer, watched: &mut [Rgb]) {
-    let distance = TILE_PIXELS / watched.len().max(1);
-    let pixels = values.as_chunks::<3>().0.iter().skip(distance / 2);
-    for (watched, pixel) in watched.iter_mut().zip(pixels.step_by(distance)) {
-        *watched = Rgb::from(*pixel);
+    let pixels = values.as_chunks::<3>().0;
+    let picked = watched_pixels(watched.len());
+    for (watched, pixel) in watched.iter_mut().zip(picked) {
+        *watched = Rgb::from(pixels[pixel]);
     }
+}
+
+/// So many pixels of a tile, at even distances.
+pub(super) fn watched_pixels(n: usize) -> impl Iterator<Item = usize> {
+    let distance = TILE_PIXELS / n.max(1);
+    (distance / 2..TILE_PIXELS).step_by(distance.max(1)).take(n)
 }
 
 /// Numbers of a layer of a tile.

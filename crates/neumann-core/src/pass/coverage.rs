@@ -83,6 +83,7 @@ mod tests {
                         aspect_ratio: None,
                         projection,
                         lens,
+                        crop: None,
                     };
                     cameras.push(Camera::new(&description, SIZE.0, SIZE.1));
                 }

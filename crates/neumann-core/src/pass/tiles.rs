@@ -117,11 +117,11 @@ impl Pass<'_> {
                     part
                 })
                 .collect();
-            for (n_rays, part) in self.frame.n_rays_of_tiles[round.clone()]
-                .iter_mut()
-                .zip(&yields)
-            {
-                *n_rays = part.n_rays as u32;
+            for (tile, part) in round.clone().zip(&yields) {
+                self.frame.n_rays_of_tiles[tile] = part.n_rays as u32;
+                let is_traced = background.is_none() || coverage.is_covered(tile);
+                let n_samples = if is_traced { samples.of_tile(tile) } else { 0 };
+                self.frame.n_samples_of_tiles[tile] = n_samples;
             }
             self.take(yields)?;
         }

@@ -193,7 +193,14 @@ fn allot(findings: &[Finding]) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::{Finding, MAX_COUNT, MEAN_COUNT, Moments, allot};
+    use crate::film::SampleMap;
+    use crate::integrator::{ParameterValues, method};
+    use crate::render::{CancelToken, RenderSettings, Renderer, WorkerPool};
+    use crate::scene::Scene;
+    use crate::scene::builtin::builtin;
 
     fn counts(findings: &[(f64, f64)]) -> Vec<u8> {
         let finding = |&(error, n_rays): &(f64, f64)| Finding { error, n_rays };
@@ -230,5 +237,48 @@ mod tests {
         }
         assert!((moments.mean - 0.25).abs() < 1e-7);
         assert!((moments.squared_deviations - 0.125).abs() < 1e-7);
+    }
+
+    const SIZE: (usize, usize) = (40, 24);
+
+    /// What so many iterations count, and how many paths they say that they had.
+    fn counted(scene: &str, id: &str, set: &[(&str, &str)], n: u32) -> (SampleMap, u64) {
+        let description = builtin(scene).unwrap().load().unwrap();
+        let scene = Arc::new(Scene::build(&description));
+        let method = method(id).unwrap();
+        let mut values = ParameterValues::defaults(method.parameters);
+        for (name, text) in set {
+            values.set(method.parameters, name, text).unwrap();
+        }
+        let settings = RenderSettings {
+            method,
+            values,
+            max_bounces: 3,
+            ..RenderSettings::new(scene.cameras()[0].clone(), SIZE.0, SIZE.1)
+        };
+        let pool = WorkerPool::new(Some(1), || {}).unwrap();
+        let mut renderer = Renderer::new(scene, settings, pool, 0);
+        let mut n_samples = 0;
+        for _ in 0..n {
+            n_samples += renderer
+                .iterate(&CancelToken::default())
+                .unwrap()
+                .n_samples();
+        }
+        (renderer.samples().clone(), n_samples)
+    }
+
+    #[test]
+    fn paths_are_counted_where_they_went() {
+        let (even, _) = counted("cornell", "pt-mis", &[], 3);
+        assert_eq!(even.range(), (3, 3));
+        let (none, _) = counted("cornell", "lt", &[], 3);
+        assert_eq!(none.range(), (0, 0), "no path begins at the camera");
+        let (uneven, n_samples) = counted("lamps", "pt-mis", &[("adaptive", "on")], 8);
+        let (least, most) = uneven.range();
+        assert!(least < most, "{least} to {most}");
+        let pixels = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y)));
+        let sum: u64 = pixels.map(|(x, y)| u64::from(uneven.at(x, y))).sum();
+        assert_eq!(sum, n_samples);
     }
 }

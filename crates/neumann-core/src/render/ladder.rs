@@ -3,14 +3,20 @@
 use std::sync::Arc;
 
 use super::job::{Job, StopRule};
-use super::summary::technique_divisor;
+use super::summary::{Looks, technique_divisor};
 use super::{CancelToken, Cancelled, IterationTimes, Renderer, WorkerPool};
 use crate::film::TechniqueFilm;
 use crate::integrator::Method;
-use crate::photons::PhotonPicture;
 
 /// A frame on the ladder should be there within this time.
 const COARSE_SECONDS: f64 = 0.020;
+
+/// What is to be drawn for whoever looks.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Wanted {
+    pub(super) photons: bool,
+    pub(super) features: bool,
+}
 
 /// How long the latest iteration took.
 #[derive(Clone, Copy)]
@@ -35,10 +41,10 @@ pub(super) struct Climb {
     pub(super) times: IterationTimes,
     /// Runs iterations once more for their techniques, which were not asked for at the time.
     recorder: Option<Renderer>,
-    /// Whether photons are drawn,
-    pub(super) draws_photons: bool,
-    /// and those that were drawn last, of this rung.
-    pub(super) photons: Option<Arc<PhotonPicture>>,
+    /// Whether photons are drawn.
+    draws_photons: bool,
+    /// What was drawn last for whoever looks, of this rung.
+    pub(super) looks: Looks,
 }
 
 impl Climb {
@@ -54,7 +60,7 @@ impl Climb {
             times: IterationTimes::default(),
             recorder: None,
             draws_photons: false,
-            photons: None,
+            looks: Looks::default(),
         }
     }
 
@@ -81,7 +87,7 @@ impl Climb {
             times: IterationTimes::default(),
             recorder: None,
             draws_photons: false,
-            photons: None,
+            looks: Looks::default(),
         }
     }
 
@@ -125,15 +131,27 @@ impl Climb {
         self.renderer = None;
         self.n_iterations = 0;
         self.times = IterationTimes::default();
-        self.photons = None;
+        self.looks = Looks::default();
+    }
+
+    /// Draws what is wanted of the latest iteration, and no more.
+    pub(super) fn draw(&mut self, wanted: Wanted, cancel: &CancelToken) {
+        self.draw_photons(wanted.photons, cancel);
+        if !wanted.features {
+            self.looks.features = None;
+        } else if self.looks.features.is_none()
+            && let Some(renderer) = &self.renderer
+        {
+            self.looks.features = Some(Arc::new(renderer.features()));
+        }
     }
 
     /// Draws the photons of the latest iteration, or does so no longer. Where the token is
     /// cancelled, those that were drawn last stay, and the new ones are still owed.
-    pub(super) fn draw_photons(&mut self, is_on: bool, cancel: &CancelToken) {
+    fn draw_photons(&mut self, is_on: bool, cancel: &CancelToken) {
         self.draws_photons = is_on;
         if !is_on {
-            self.photons = None;
+            self.looks.photons = None;
             return;
         }
         let Some(renderer) = &mut self.renderer else {
@@ -144,20 +162,26 @@ impl Climb {
             return;
         };
         // A map that is kept for all iterations need not be drawn anew.
-        let drawn = self.photons.as_ref().map(|photons| photons.iteration());
+        let drawn = self
+            .looks
+            .photons
+            .as_ref()
+            .map(|photons| photons.iteration());
         if drawn == Some(map.iteration) {
             return;
         }
         match renderer.draw_photons(&map, cancel) {
-            Ok(picture) => self.photons = Some(Arc::new(picture)),
+            Ok(picture) => self.looks.photons = Some(Arc::new(picture)),
             Err(Cancelled) => self.draws_photons = false,
         }
     }
 
-    /// True if photons are to be drawn that are not, or no longer, though no iteration may be
+    /// True if something is to be drawn that is not, or no longer, though no iteration may be
     /// under way.
-    pub(super) fn owes_photons(&self, is_on: bool) -> bool {
-        self.n_iterations > 0 && self.draws_photons != is_on
+    pub(super) fn owes(&self, wanted: Wanted) -> bool {
+        let has_features = self.looks.features.is_some();
+        let is_owed = self.draws_photons != wanted.photons || has_features != wanted.features;
+        self.n_iterations > 0 && is_owed
     }
 
     /// True if the stop rule has been met.

@@ -12,8 +12,8 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 
 use super::job::{Job, StopRule};
-use super::ladder::{Climb, Pace};
-use super::summary::{Published, SUMMARY_PERIOD, Stats, Summary, technique_divisor};
+use super::ladder::{Climb, Pace, Wanted};
+use super::summary::{Errors, Published, SUMMARY_PERIOD, Stats, Summary, technique_divisor};
 use super::{CancelToken, Renderer, WorkerPool};
 use crate::film::Film;
 use crate::scene::Scene;
@@ -37,7 +37,7 @@ struct Control {
     generation: u64,
     is_paused: bool,
     is_recording: bool,
-    draws_photons: bool,
+    wanted: Wanted,
     has_quit: bool,
     cancel: CancelToken,
 }
@@ -58,7 +58,7 @@ impl RenderLoop {
                 generation: 0,
                 is_paused: false,
                 is_recording: false,
-                draws_photons: false,
+                wanted: Wanted::default(),
                 has_quit: false,
                 cancel: CancelToken::default(),
             }),
@@ -71,9 +71,12 @@ impl RenderLoop {
                 stats: Stats::default(),
                 thumbnails: Vec::new(),
                 energy_shares: Vec::new(),
+                layer_errors: Vec::new(),
                 thumbnails_version: 0,
                 techniques: None,
                 photons: None,
+                features: None,
+                samples: None,
             }),
             version: AtomicU64::new(0),
             on_publish: Box::new(on_publish),
@@ -124,7 +127,14 @@ impl RenderLoop {
     /// that is done already. It costs a ray for each photon, so it is for as long as somebody
     /// looks.
     pub fn draw_photons(&self, is_on: bool) {
-        self.shared.control().draws_photons = is_on;
+        self.shared.control().wanted.photons = is_on;
+        self.shared.wake.notify_all();
+    }
+
+    /// Begins or ends keeping what the camera sees first. It costs a ray for each pixel of every
+    /// job, so it is for as long as somebody looks.
+    pub fn trace_features(&self, is_on: bool) {
+        self.shared.control().wanted.features = is_on;
         self.shared.wake.notify_all();
     }
 
@@ -226,14 +236,14 @@ impl Shared {
                 let is_wanted =
                     !climb.is_done(job.stop) || (control.is_recording && climb.lacks_techniques());
                 let iterates = (is_new || is_wanted) && !control.is_paused;
-                if iterates || (!is_new && climb.owes_photons(control.draws_photons)) {
+                if iterates || (!is_new && climb.owes(control.wanted)) {
                     return Some(Task {
                         iterates,
                         job: job.clone(),
                         generation: control.generation,
                         cancel: control.cancel.clone(),
                         is_recording: control.is_recording,
-                        draws_photons: control.draws_photons,
+                        wanted: control.wanted,
                     });
                 }
             }
@@ -250,8 +260,8 @@ struct Task {
     generation: u64,
     cancel: CancelToken,
     is_recording: bool,
-    draws_photons: bool,
-    /// False where photons alone are to be drawn.
+    wanted: Wanted,
+    /// False where something is to be drawn for whoever looks, and no more.
     iterates: bool,
 }
 
@@ -264,8 +274,8 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             return;
         };
         if !task.iterates {
-            climb.draw_photons(task.draws_photons, &task.cancel);
-            shared.publish(|published| published.photons.clone_from(&climb.photons));
+            climb.draw(task.wanted, &task.cancel);
+            shared.publish(|published| published.look(climb.looks.clone()));
             continue;
         }
         if task.generation != climb.generation {
@@ -325,15 +335,17 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let is_done = divisor == 1 && climb.is_done(stop);
         let is_due = summarised.is_none_or(|t| t.elapsed() >= SUMMARY_PERIOD) || is_done;
         if is_due {
-            climb.draw_photons(task.draws_photons, &task.cancel);
+            climb.draw(task.wanted, &task.cancel);
         }
         let summary = is_due.then(|| {
             let published = shared.published();
             let renderer = climb.renderer.as_ref();
-            let error = renderer.and_then(|renderer| renderer.estimated_error(&published.film));
+            let errors = renderer.map(|renderer| Errors::of(renderer, &published.film));
+            let errors = errors.unwrap_or_default();
             let techniques = renderer.and_then(Renderer::techniques);
-            let photons = climb.photons.clone();
-            pool.run(|| Summary::of(&published.film, error, techniques, photons))
+            let samples = renderer.map(|renderer| Arc::new(renderer.samples().clone()));
+            let looks = climb.looks.clone();
+            pool.run(|| Summary::of(&published.film, errors, techniques, looks, samples))
         });
         if summary.is_some() {
             // Rungs of the ladder do not delay the next summary.
@@ -381,9 +393,13 @@ fn record_once_more(
     *summarised = Some(Instant::now());
     let (stats, summary) = {
         let published = shared.published();
-        let error = published.stats.estimated_error;
-        let photons = published.photons.clone();
-        let summary = pool.run(|| Summary::of(&published.film, error, Some(techniques), photons));
+        let errors = Errors {
+            of_film: published.stats.estimated_error,
+            of_layers: published.layer_errors.clone(),
+        };
+        let (looks, samples) = (published.looks(), published.samples.clone());
+        let summary =
+            pool.run(|| Summary::of(&published.film, errors, Some(techniques), looks, samples));
         (published.stats, summary)
     };
     shared.publish(|published| published.take(stats, Some(summary)));

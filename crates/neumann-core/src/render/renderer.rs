@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::adaptive::Adaptive;
 use super::{RenderSettings, WorkerPool, photons};
 use crate::endpoint::Camera;
-use crate::film::{Film, Frame, NextFilm, PhotonReport, TechniqueFilm};
+use crate::film::{Features, Film, Frame, NextFilm, PhotonReport, SampleMap, TechniqueFilm};
 use crate::integrator::{Integrator, PixelIntegrator, Shot};
 use crate::pass::{CancelToken, Cancelled, Coverage, Pass, Plan, Seen};
 use crate::photons::{PhotonMap, PhotonPicture};
@@ -25,6 +25,8 @@ pub struct Renderer {
     adaptive: Option<Adaptive>,
     next_iteration: u32,
     frame: Frame,
+    /// Paths of the iterations that it has run.
+    samples: SampleMap,
     /// What the film before the last one was, to be written again.
     spare: Option<Film>,
     coverage: Coverage,
@@ -50,6 +52,7 @@ impl Renderer {
             adaptive: adaptive_of(&integrator),
             integrator,
             frame,
+            samples: SampleMap::new(settings.width, settings.height),
             spare: None,
             next_iteration: first_iteration,
             techniques: None,
@@ -93,6 +96,20 @@ impl Renderer {
         self.techniques.as_ref()
     }
 
+    /// Paths from the camera of each pixel, in the iterations that it has run.
+    #[must_use]
+    pub fn samples(&self) -> &SampleMap {
+        &self.samples
+    }
+
+    /// What the camera sees first.
+    #[must_use]
+    pub fn features(&self) -> Features {
+        let (s, scene) = (&self.settings, &*self.scene);
+        let trace = || Features::trace(scene, &s.camera, s.width, s.height);
+        self.pool.run(trace)
+    }
+
     /// False if no estimate of the error can be had, [`Integrator::shows_its_error`].
     #[must_use]
     pub fn shows_its_error(&self) -> bool {
@@ -103,10 +120,23 @@ impl Renderer {
     /// light alone it says nothing, as long as there are surfaces that may scatter some.
     #[must_use]
     pub fn estimated_error(&self, film: &Film) -> Option<f64> {
-        let may_scatter = self.settings.max_bounces > 0 && self.scene.may_scatter();
-        let is_evidence = self.shows_its_error() && (!may_scatter || film.has_bounces());
         let estimate = || self.pool.run(|| film.estimated_error());
-        is_evidence.then(estimate).flatten()
+        self.has_evidence(film).then(estimate).flatten()
+    }
+
+    /// [`Film::layer_errors`] of a film that it rendered, where they say anything.
+    #[must_use]
+    pub fn layer_errors(&self, film: &Film) -> Vec<Option<f64>> {
+        if self.has_evidence(film) {
+            self.pool.run(|| film.layer_errors())
+        } else {
+            vec![None; film.n_layers() + 1]
+        }
+    }
+
+    fn has_evidence(&self, film: &Film) -> bool {
+        let may_scatter = self.settings.max_bounces > 0 && self.scene.may_scatter();
+        self.shows_its_error() && (!may_scatter || film.has_bounces())
     }
 
     /// Runs the next iteration and yields it.
@@ -265,6 +295,7 @@ impl Renderer {
         if let Some(techniques) = &mut self.techniques {
             techniques.end_iteration();
         }
+        self.samples.add(&self.frame.n_samples_of_tiles);
         self.next_iteration += 1;
         Ok(())
     }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::RenderSettings;
-use crate::film::{Film, PhotonReport, TechniqueFilm};
+use super::{RenderSettings, Renderer};
+use crate::film::{Features, Film, PhotonReport, SampleMap, TechniqueFilm};
 use crate::photons::PhotonPicture;
 use crate::radiometry::Rgb;
 
@@ -51,6 +51,9 @@ pub struct Published {
     pub thumbnails: Vec<Thumbnail>,
     /// [`Film::energy_shares`], renewed with the thumbnails.
     pub energy_shares: Vec<f64>,
+    /// Estimated relative error of each layer, tail last, renewed with the thumbnails; `None` where
+    /// it is not known.
+    pub layer_errors: Vec<Option<f64>>,
     /// Grows when the thumbnails change.
     pub thumbnails_version: u64,
     /// The techniques apart, renewed with the thumbnails while
@@ -59,6 +62,11 @@ pub struct Published {
     /// The photons of the latest iteration as the camera sees them, renewed with the thumbnails
     /// while [`draw_photons`](super::RenderLoop::draw_photons) is on; smaller as the film is.
     pub photons: Option<Arc<PhotonPicture>>,
+    /// What the camera sees first, while
+    /// [`trace_features`](super::RenderLoop::trace_features) is on; smaller as the film is.
+    pub features: Option<Arc<Features>>,
+    /// Paths from the camera of each pixel, renewed with the thumbnails.
+    pub samples: Option<Arc<SampleMap>>,
 }
 
 /// A small linear image.
@@ -82,32 +90,73 @@ pub(super) fn technique_divisor(settings: &RenderSettings) -> usize {
 pub(super) struct Summary {
     thumbnails: Vec<Thumbnail>,
     energy_shares: Vec<f64>,
-    estimated_error: Option<f64>,
+    errors: Errors,
     techniques: Option<Arc<TechniqueFilm>>,
-    photons: Option<Arc<PhotonPicture>>,
+    looks: Looks,
+    samples: Option<Arc<SampleMap>>,
+}
+
+/// How uncertain a film is.
+#[derive(Clone, Default)]
+pub(super) struct Errors {
+    pub(super) of_film: Option<f64>,
+    pub(super) of_layers: Vec<Option<f64>>,
+}
+
+impl Errors {
+    /// Of a film, by the renderer that made it.
+    pub(super) fn of(renderer: &Renderer, film: &Film) -> Self {
+        Self {
+            of_film: renderer.estimated_error(film),
+            of_layers: renderer.layer_errors(film),
+        }
+    }
+}
+
+/// What is drawn for whoever looks.
+#[derive(Clone, Default)]
+pub(super) struct Looks {
+    pub(super) photons: Option<Arc<PhotonPicture>>,
+    pub(super) features: Option<Arc<Features>>,
 }
 
 impl Summary {
     /// Of a film.
     pub(super) fn of(
         film: &Film,
-        estimated_error: Option<f64>,
+        errors: Errors,
         techniques: Option<&TechniqueFilm>,
-        photons: Option<Arc<PhotonPicture>>,
+        looks: Looks,
+        samples: Option<Arc<SampleMap>>,
     ) -> Self {
         Self {
             thumbnails: (0..=film.n_layers())
                 .map(|layer| Thumbnail::of(film, layer))
                 .collect(),
             energy_shares: film.energy_shares(),
-            estimated_error,
+            errors,
             techniques: techniques.map(|techniques| Arc::new(techniques.clone())),
-            photons,
+            looks,
+            samples,
         }
     }
 }
 
 impl Published {
+    /// What is published for whoever looks.
+    pub(super) fn looks(&self) -> Looks {
+        Looks {
+            photons: self.photons.clone(),
+            features: self.features.clone(),
+        }
+    }
+
+    /// Takes over what is drawn for whoever looks.
+    pub(super) fn look(&mut self, looks: Looks) {
+        self.photons = looks.photons;
+        self.features = looks.features;
+    }
+
     /// Takes over what is new of the film.
     pub(super) fn take(&mut self, stats: Stats, summary: Option<Summary>) {
         let estimated_error = self.stats.estimated_error;
@@ -117,11 +166,13 @@ impl Published {
             ..stats
         };
         if let Some(summary) = summary {
-            self.stats.estimated_error = summary.estimated_error;
+            self.stats.estimated_error = summary.errors.of_film;
+            self.layer_errors = summary.errors.of_layers;
             self.thumbnails = summary.thumbnails;
             self.energy_shares = summary.energy_shares;
             self.techniques = summary.techniques;
-            self.photons = summary.photons;
+            self.look(summary.looks);
+            self.samples = summary.samples;
             self.thumbnails_version += 1;
         }
     }

@@ -327,6 +327,19 @@ pub struct CameraDescription {
     pub projection: Projection,
     /// Thin lens, if any.
     pub lens: Option<Lens>,
+    /// The part of its picture that the film shows; all of it, if `None`.
+    pub crop: Option<Crop>,
+}
+
+/// A part of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop {
+    /// Columns and rows of the whole picture, pixels.
+    pub of: [usize; 2],
+    /// The first column and the first row of the part.
+    pub at: [usize; 2],
+    /// Its columns and rows.
+    pub size: [usize; 2],
 }
 
 impl CameraDescription {

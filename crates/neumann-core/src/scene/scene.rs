@@ -545,5 +545,6 @@ fn camera_for_bounds(min: Vec3, max: Vec3) -> CameraDescription {
         aspect_ratio: None,
         projection: Projection::Perspective { yfov },
         lens: None,
+        crop: None,
     }
 }

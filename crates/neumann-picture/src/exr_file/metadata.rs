@@ -8,7 +8,9 @@ use exr::meta::header::LayerAttributes;
 use neumann_core::integrator::parameter_name;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::RenderSettings;
-use neumann_core::scene::description::{CameraDescription, EnvironmentDescription, Projection};
+use neumann_core::scene::description::{
+    CameraDescription, Crop, EnvironmentDescription, Projection,
+};
 use neumann_core::scene::{Appearance, Backs, Scene};
 
 use super::IterationRanges;
@@ -225,7 +227,12 @@ pub fn camera_text(camera: &CameraDescription) -> String {
         || "pinhole".to_owned(),
         |lens| format!("lens {} {}", lens.aperture, lens.focus_distance),
     );
-    format!("{projection}; {lens}; {}", matrix.join(" "))
+    let crop = camera.crop.map(|Crop { of, at, size }| {
+        let [of, at, size] = [of, at, size].map(|[x, y]| format!("{x} {y}"));
+        format!("; region {at} {size} of {of}")
+    });
+    let crop = crop.unwrap_or_default();
+    format!("{projection}; {lens}; {}{crop}", matrix.join(" "))
 }
 
 /// An environment as a text that differs where its light does.

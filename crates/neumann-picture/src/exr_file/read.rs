@@ -309,6 +309,7 @@ impl Raw {
 
     fn take_features(&mut self) -> Option<Features> {
         Some(Features {
+            width: self.width,
             albedo: self.take_rgb("albedo")?,
             normal: self.take_three("normal", ["X", "Y", "Z"], Vec3::new)?,
             depth: self.planes.remove("depth.Z")?,

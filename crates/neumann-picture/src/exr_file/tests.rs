@@ -65,6 +65,7 @@ fn features() -> Features {
     let mut depth: Vec<f32> = (0..n).map(|i| i as f32 * 0.5).collect();
     depth[5] = f32::INFINITY;
     Features {
+        width: SIZE.0,
         albedo: noise(n, 7),
         normal: (0..n).map(|i| Vec3::new(0.0, i as f32, -1.0)).collect(),
         depth,
@@ -315,6 +316,7 @@ fn cameras_and_environments_differ_in_words_where_they_differ() {
         aspect_ratio: None,
         projection: Projection::Perspective { yfov: 0.7 },
         lens: None,
+        crop: None,
     };
     let mut other = camera.clone();
     other.name = "two".to_owned();

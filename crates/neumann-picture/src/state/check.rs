@@ -65,6 +65,10 @@ impl State {
             range("magnified.zoom", magnified.zoom, 1e-3, 128.0)?;
         }
         self.camera.as_ref().map_or(Ok(()), CameraState::check)?;
+        for (i, view) in self.views.iter().enumerate() {
+            let checked = view.camera.check();
+            checked.map_err(|(field, what)| (format!("views[{i}].{field}"), what))?;
+        }
         let edits = &self.edits;
         for (i, edit) in edits.materials.iter().enumerate() {
             edit.check(&format!("edits.materials[{i}]"))?;
@@ -101,7 +105,7 @@ impl State {
 }
 
 impl CameraState {
-    fn check(&self) -> Result<(), Wrong> {
+    pub(super) fn check(&self) -> Result<(), Wrong> {
         match self.projection {
             ProjectionState::Perspective { yfov } => {
                 if !(yfov.0 > 0.0 && yfov.0 < PI) {

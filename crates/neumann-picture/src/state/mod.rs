@@ -7,6 +7,7 @@
 
 mod check;
 mod file;
+mod kept;
 mod number;
 #[cfg(test)]
 mod tests;
@@ -26,6 +27,7 @@ use neumann_core::scene::description::{
 use serde::{Deserialize, Serialize};
 
 pub use file::StateError;
+pub use kept::{KeptView, KeptViews};
 pub use number::Exact;
 
 /// All that a person has chosen.
@@ -38,6 +40,8 @@ pub struct State {
     pub scene: String,
     /// The camera; the file's first one where there is none.
     pub camera: Option<CameraState>,
+    /// Cameras of this scene that were kept.
+    pub views: Vec<KeptView>,
     /// Id of the method.
     pub method: String,
     /// Its parameters, as `--set` takes them; those that are left out have their default.
@@ -309,6 +313,7 @@ impl CameraState {
                 aperture: lens.aperture.0,
                 focus_distance: lens.focus_distance.0,
             }),
+            crop: None,
         }
     }
 }
@@ -319,6 +324,7 @@ impl Default for State {
             neumann: env!("CARGO_PKG_VERSION").to_owned(),
             scene: String::new(),
             camera: None,
+            views: Vec::new(),
             method: DEFAULT_METHOD.to_owned(),
             parameters: BTreeMap::new(),
             max_bounces: 16,

@@ -50,6 +50,8 @@ impl App {
             Action::FrameAll | Action::ResetCamera => self.move_camera(action),
             Action::Undo | Action::Redo => self.undo_or_redo(ctx, action),
             Action::Pick => self.pick(ctx),
+            Action::GoToView(index) => self.go_to_view(index),
+            Action::KeepView(index) => self.keep_view(ctx, index),
             Action::Open => {
                 self.shell.show_page(Page::Scene);
                 self.shell.background.choose(Wanted::Scene);
@@ -84,6 +86,10 @@ impl App {
                 ctx.set_theme(if is_dark { Theme::Light } else { Theme::Dark });
             }
             Action::View(id) => self.toggle_view(id),
+            Action::Show(step) => {
+                let row = self.viewing.views.further(step);
+                self.show_view(row.id);
+            }
             Action::Help => self.shell.is_help_open = !self.shell.is_help_open,
             Action::Fullscreen => self.shell.requests.push(WindowRequest::Fullscreen),
             Action::Escape => self.escape(ctx),
@@ -154,6 +160,14 @@ impl App {
         }
     }
 
+    /// Shows a view.
+    pub(super) fn show_view(&mut self, id: &str) {
+        let (viewing, setup) = (&mut self.viewing, &self.session.setup);
+        if let Err(refusal) = viewing.views.show(id, setup, &viewing.settings) {
+            self.shell.notices.failure(refusal);
+        }
+    }
+
     fn move_camera(&mut self, action: Action) {
         let (w, h) = self.session.setup.size;
         let Some(control) = &mut self.session.setup.camera else {
@@ -165,6 +179,28 @@ impl App {
             control.reset();
         }
         self.session.setup.is_changed = true;
+    }
+
+    fn go_to_view(&mut self, index: usize) {
+        if !self.session.setup.go_to_view(index) {
+            let n = index + 1;
+            let text = format!(
+                "No view {n} of this scene is kept; Ctrl Shift {n} keeps where the camera is"
+            );
+            self.shell.notices.failure(text);
+        }
+    }
+
+    fn keep_view(&mut self, ctx: &Context, index: usize) {
+        let setup = &mut self.session.setup;
+        if let Some(index) = setup.keep_view(index) {
+            let name = &setup.views[index].name;
+            let text = match index {
+                0..=8 => format!("Kept as {name}; Ctrl {} comes back to it", index + 1),
+                _ => format!("Kept as {name}"),
+            };
+            self.shell.notices.remark_instead(ctx, &["Kept as "], text);
+        }
     }
 
     fn change_display(&mut self, action: Action) {

@@ -213,10 +213,21 @@ impl App {
         if self.shell.is_help_open {
             help::show(ui, &mut self.shell.is_help_open, &self.shell.places);
         }
+        self.remember_views(&ctx);
         self.shell.had_focus = ctx.memory(|m| m.focused().is_some());
         let session = &mut self.session;
         session.history.follow(&ctx, &session.setup);
         session.start_if_changed();
+    }
+
+    /// Remembers the views of the scene for the next start, unless one is being named.
+    fn remember_views(&mut self, ctx: &Context) {
+        let setup = &self.session.setup;
+        if let Some(open) = &setup.open
+            && !ctx.text_edit_focused()
+        {
+            self.shell.bookmarks.keep(&open.source, &setup.views);
+        }
     }
 
     /// Has it measured how far the two pictures on the screen are apart.

@@ -108,7 +108,9 @@ impl App {
         if self.options.exposure == Exposure::ForScene {
             self.expose_for(&source);
         }
+        let views = self.shell.bookmarks.of(&source);
         self.session.setup.take_scene(source, scene);
+        self.session.setup.views = views;
         let is_of_former = |o: &Offer| matches!(o, Offer::PutSkyBack(_)) || is_of_a_drop(o);
         self.shell.notices.withdraw(is_of_former);
         self.shell.material = None;
@@ -142,6 +144,9 @@ impl App {
             sky => setup.sky = sky,
         }
         setup.apply_environment(&self.options.environment);
+        if let Some(quantity) = self.options.quantity {
+            self.show_view(quantity.name());
+        }
     }
 
     /// Takes up a state, its scene being open; size and end may be those that the command said.

@@ -42,6 +42,10 @@ pub enum Action {
     Redo,
     /// The material under the pointer, or in the middle of the picture.
     Pick,
+    /// Go to a kept view of the scene, from 0.
+    GoToView(usize),
+    /// Keep the camera as that view.
+    KeepView(usize),
     /// Change the exposure by so many thirds of a stop.
     Exposure(i32),
     /// Exposure follows the picture.
@@ -66,6 +70,8 @@ pub enum Action {
     Probe,
     /// The difference from the reference, on or off.
     Difference,
+    /// The view so many places further in the choice "Show".
+    Show(i32),
     /// A view by its id, or the picture where it is shown already.
     View(&'static str),
     /// Open a scene.

@@ -9,6 +9,7 @@ use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::widgets::{
     Slider, button, explained_choice, fact, heading, paragraph, row_button, rule, significant,
+    text_field,
 };
 
 pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
@@ -56,6 +57,12 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
             is_changed = true;
         }
     }
+    setup.is_changed |= is_changed;
+    kept_views(ui, setup, shell);
+    let Some(control) = &mut setup.camera else {
+        return;
+    };
+    is_changed = false;
     rule(ui);
     heading(ui, "Lens");
     let radius = f64::from(control.radius());
@@ -103,6 +110,46 @@ fn cameras(ui: &mut Ui, setup: &mut Setup) -> usize {
         setup.take_camera(i);
     }
     n_cameras
+}
+
+/// The views that were kept, apart from the file's own cameras: to go to, to name, to forget.
+fn kept_views(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
+    rule(ui);
+    heading(ui, "Kept views");
+    for (i, view) in setup.views.iter().enumerate() {
+        let key = if i < 9 {
+            format!("Ctrl {}", i + 1)
+        } else {
+            String::new()
+        };
+        let name = match view.name.trim() {
+            "" => "without a name",
+            name => name,
+        };
+        if row_button(ui, name, &key, setup.view == Some(i)).clicked() {
+            shell.act(ui.ctx(), Action::GoToView(i));
+        }
+    }
+    let chosen = setup.view.filter(|i| *i < setup.views.len());
+    if let Some(i) = chosen {
+        text_field(ui, "Name of the view", &mut setup.views[i].name);
+        ui.horizontal(|ui| {
+            let about = "Keeps the camera as it is now in place of the chosen view.";
+            if button(ui, "Replace").on_hover_text(about).clicked() {
+                shell.act(ui.ctx(), Action::KeepView(i));
+            }
+            let about = "Forgets the chosen view.";
+            if button(ui, "Remove").on_hover_text(about).clicked() {
+                setup.forget_view(i);
+            }
+        });
+    } else if setup.views.is_empty() {
+        paragraph(ui, "None of this scene yet.");
+    }
+    let about = "Keeps the camera as it is now as one more view (Ctrl Shift 1 – 9).";
+    if button(ui, "Keep view").on_hover_text(about).clicked() {
+        shell.act(ui.ctx(), Action::KeepView(setup.views.len()));
+    }
 }
 
 /// The size of the film, and where it comes from.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use egui::Ui;
 use neumann_picture::false_colour::ColourMap;
+use neumann_picture::histogram::Channels;
 use neumann_picture::tone::ToneCurve;
 
 use crate::compared::{Compared, Side};
@@ -14,12 +15,17 @@ use crate::scene_source::Wanted;
 use crate::session::Session;
 use crate::shell::Shell;
 use crate::theme::GRID;
+use crate::viewing::Viewing;
+use crate::views::{self, VIEWS, Views};
 use crate::widgets::{
-    Slider, button, choice_row, fact, heading, hint, paragraph, path_field, rule, significant,
-    switch,
+    Slider, button, choice_row, choice_rows, fact, heading, hint, paragraph, path_field, rule,
+    significant, switch,
 };
 
-pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &mut Shell) {
+pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut Viewing, shell: &mut Shell) {
+    choose_view(ui, &viewing.views, shell);
+    let is_picture = viewing.views.shown().id == VIEWS[0].id;
+    let viewing = &mut viewing.settings;
     heading(ui, "Exposure and tone");
     let mut ev = f64::from(viewing.exposure_ev);
     let slider = Slider::new("Exposure", -16.0, 16.0).unit("EV").default(0.0);
@@ -34,6 +40,9 @@ pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, s
     let chosen = ToneCurve::ALL.iter().position(|t| *t == viewing.tone);
     if let Some(i) = choice_row(ui, "Tone curve", &names, chosen.unwrap_or(0)) {
         viewing.tone = ToneCurve::ALL[i];
+    }
+    if is_picture {
+        histogram(ui, session, viewing, shell);
     }
     rule(ui);
     heading(ui, "False colour");
@@ -70,6 +79,34 @@ pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, s
     switch(ui, "Values of the pixel", &mut viewing.is_probing);
     compare(ui, session, viewing, shell);
     save(ui, shell);
+}
+
+/// How bright the pixels are, and which of them the screen cannot tell apart.
+fn histogram(ui: &mut Ui, session: &Session, viewing: &ViewSettings, shell: &mut Shell) {
+    let histogram = &mut shell.histogram;
+    let names = ["luminance", "R G B"];
+    let chosen = usize::from(histogram.channels == Channels::Rgb);
+    if let Some(i) = choice_row(ui, "Histogram", &names, chosen) {
+        histogram.channels = [Channels::Luminance, Channels::Rgb][i];
+    }
+    ui.add_space(GRID / 2.0);
+    histogram.update(session, viewing);
+    if let Some(rest) = histogram.rest(session) {
+        ui.ctx().request_repaint_after(rest);
+    }
+    histogram.show(ui);
+}
+
+/// What stands in place of the picture.
+fn choose_view(ui: &mut Ui, views: &Views, shell: &mut Shell) {
+    let rows: Vec<_> = views::choice().collect();
+    let titles: Vec<_> = rows.iter().map(|row| row.title).collect();
+    let shown = rows.iter().position(|row| row.id == views.shown().id);
+    let about = |i: usize| format!("{} (N)", rows[i].about);
+    if let Some(i) = choice_rows(ui, "Show", &titles, about, 3, shown) {
+        shell.act(ui.ctx(), Action::View(rows[i].id));
+    }
+    rule(ui);
 }
 
 fn compare(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &mut Shell) {

@@ -8,6 +8,7 @@ use neumann_core::render::StopRule;
 
 use crate::formula;
 use crate::keys::Action;
+use crate::panels::Page;
 use crate::render_link::RenderLink;
 use crate::session::Session;
 use crate::setup::Setup;
@@ -79,7 +80,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mu
 
 /// A button for each view that this method and scene can be shown by.
 fn view_buttons(ui: &mut Ui, setup: &Setup, views: &Views, shell: &mut Shell) {
-    for row in VIEWS.iter().skip(1) {
+    for row in VIEWS.iter().filter(|row| row.page == Page::Method) {
         if (row.refusal)(setup).is_some() {
             continue;
         }

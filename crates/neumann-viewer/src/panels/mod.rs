@@ -89,7 +89,7 @@ pub fn show(
                             Page::Scene => scene::show(ui, session, shell),
                             Page::Camera => camera::show(ui, session, shell),
                             Page::Display => {
-                                display::show(ui, session, &mut viewing.settings, shell);
+                                display::show(ui, session, viewing, shell);
                             }
                         }
                         shell.reveals_pick &= page != Page::Scene;

@@ -11,6 +11,8 @@
 
 pub mod photons;
 pub mod picture;
+mod plate;
+pub mod quantity;
 pub mod techniques;
 
 use std::any::Any;
@@ -23,13 +25,23 @@ use crate::display::ViewSettings;
 use crate::display::image_area::Placement;
 use crate::keys::HelpLine;
 use crate::notices::Notices;
+use crate::panels::Page;
 use crate::pick::Picked;
 use crate::probe::{self, Reading};
 use crate::session::Session;
 use crate::setup::Setup;
 
 /// All views. The first one is what all others give way to.
-pub static VIEWS: &[&Row] = &[&picture::ROW, &techniques::ROW, &photons::ROW];
+pub static VIEWS: &[&Row] = &[
+    &picture::ROW,
+    &quantity::ALBEDO,
+    &quantity::NORMAL,
+    &quantity::DEPTH,
+    &quantity::ERROR,
+    &quantity::SAMPLES,
+    &techniques::ROW,
+    &photons::ROW,
+];
 
 /// Draw calls that a view may make, numbered from 0 on.
 pub const N_DRAWS: usize = 1;
@@ -38,6 +50,9 @@ pub const N_DRAWS: usize = 1;
 pub struct Row {
     /// Its name in state files.
     pub id: &'static str,
+    /// The page of the panel that it is chosen on: by a button of its own, or, on the Display page,
+    /// as one of the choice "Show", which a key steps through.
+    pub page: Page,
     /// What it is called on its button.
     pub title: &'static str,
     /// What it shows, in a sentence.
@@ -52,6 +67,12 @@ pub struct Row {
     pub build: fn() -> Box<dyn View>,
 }
 
+/// The views of the choice "Show", the picture first.
+pub fn choice() -> impl Iterator<Item = &'static Row> {
+    let rows = VIEWS.iter().copied();
+    rows.filter(|row| row.page == Page::Display)
+}
+
 /// What the renderer does for a view while it is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
@@ -59,6 +80,8 @@ pub struct Needs {
     pub techniques: bool,
     /// It draws the photons of methods that have some.
     pub photons: bool,
+    /// It keeps what the camera sees first.
+    pub features: bool,
 }
 
 impl Needs {
@@ -66,6 +89,7 @@ impl Needs {
     pub const NOTHING: Self = Self {
         techniques: false,
         photons: false,
+        features: false,
     };
 }
 
@@ -192,6 +216,15 @@ impl Views {
             return Ok(());
         }
         self.show(id, setup, settings)
+    }
+
+    /// The view so many places further in the choice "Show".
+    #[must_use]
+    pub fn further(&self, step: i32) -> &'static Row {
+        let all: Vec<&Row> = choice().collect();
+        let now = all.iter().position(|row| row.id == self.shown().id);
+        let next = now.unwrap_or(0) as i64 + i64::from(step);
+        all[next.rem_euclid(all.len() as i64) as usize]
     }
 
     /// Goes back to the picture.

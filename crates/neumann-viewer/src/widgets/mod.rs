@@ -14,9 +14,12 @@ pub use button::{button, icon_button, row_button};
 pub use color::{color_row, color_sliders, hue_row};
 pub use fold::{fold, fold_opened};
 pub use icon::Icon;
-pub use segmented::{choice_row, explained_choice, segmented, segmented_width, segments, tabs};
+pub use neumann_picture::figures::significant;
+pub use segmented::{
+    choice_row, choice_rows, explained_choice, segmented, segmented_width, segments, tabs,
+};
 pub use settled::settled;
-pub use slider::{Slider, significant};
+pub use slider::Slider;
 pub use switch::switch;
 pub use text::{fact, heading, hint, paragraph, path_field, rule, text_field};
 

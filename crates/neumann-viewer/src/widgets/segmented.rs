@@ -190,3 +190,31 @@ pub fn explained_choice(
     }
     clicked
 }
+
+/// A heading, and below it rows of so many segments, as wide as the panel, of which one at most is
+/// chosen; yields the one that was clicked. `about` says what each of them is.
+pub fn choice_rows(
+    ui: &mut Ui,
+    name: &str,
+    labels: &[&str],
+    about: impl Fn(usize) -> String,
+    per_row: usize,
+    chosen: Option<usize>,
+) -> Option<usize> {
+    super::heading(ui, name);
+    let room = ui.available_width() - 4.0;
+    let mut clicked = None;
+    for (row, labels) in labels.chunks(per_row).enumerate() {
+        let first = row * per_row;
+        let widths = vec![room / per_row as f32; labels.len()];
+        let chosen = chosen.and_then(|i| i.checked_sub(first));
+        let about = |i: usize| about(first + i);
+        let chosen = chosen.unwrap_or(usize::MAX);
+        let in_row = ui.push_id(row, |ui| {
+            row_of_segments(ui, name, labels, &about, chosen, &widths)
+        });
+        let in_row = in_row.inner;
+        clicked = clicked.or(in_row.map(|i| first + i));
+    }
+    clicked
+}

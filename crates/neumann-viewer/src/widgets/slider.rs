@@ -5,6 +5,8 @@ use egui::{
     WidgetInfo, accesskit, pos2,
 };
 
+use neumann_picture::figures::significant;
+
 use super::focus_ring;
 use crate::theme::{self, GRID, Palette};
 
@@ -373,32 +375,9 @@ fn lower(name: &str) -> String {
     first.chain(characters).collect()
 }
 
-/// A number with so many significant figures, without needless zeros.
-#[must_use]
-pub fn significant(value: f64, figures: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return if value == 0.0 {
-            "0".to_owned()
-        } else {
-            value.to_string()
-        };
-    }
-    let magnitude = value.abs().log10().floor() as i32;
-    if !(-4..7).contains(&magnitude) {
-        return format!("{value:.*e}", figures.saturating_sub(1));
-    }
-    let decimals = (figures as i32 - 1 - magnitude).max(0) as usize;
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Slider, significant};
+    use super::Slider;
 
     #[test]
     fn fractions_read_back() {
@@ -418,13 +397,5 @@ mod tests {
         let rays = Slider::new("rays", 0.0, 64.0).step(1.0).unit("rays");
         assert_eq!(rays.in_words(0.0), "0 rays");
         assert_eq!(rays.zero("off").in_words(0.0), "off");
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        assert_eq!(significant(0.30, 3), "0.3");
-        assert_eq!(significant(12.345, 3), "12.3");
-        assert_eq!(significant(0.0, 3), "0");
-        assert_eq!(significant(1234.0, 3), "1234");
     }
 }

@@ -60,11 +60,16 @@ pub(crate) fn published_with(n_layers: usize) -> Published {
             is_done: false,
         },
         energy_shares: film.energy_shares(),
+        layer_errors: (0..=n_layers)
+            .map(|k| (k > 0).then_some(0.01 * k as f64))
+            .collect(),
         film,
         thumbnails,
         thumbnails_version: 1,
         techniques: None,
         photons: None,
+        features: None,
+        samples: None,
     }
 }
 
@@ -121,6 +126,24 @@ pub(crate) fn app_with_photons() -> App {
     let photons = renderer.draw_photons(&map, &nobody);
     let published = Published {
         photons: Some(Arc::new(photons.expect("nobody cancels"))),
+        ..published()
+    };
+    app_of(published, options)
+}
+
+/// The window on a film, with what the camera of cornell sees first, and how many paths an
+/// iteration sends there.
+pub(crate) fn app_with_quantities() -> App {
+    let options = ViewOptions {
+        size: Some((96, 96)),
+        ..ViewOptions::default()
+    };
+    let mut renderer = renderer_of_cornell("pt-mis", 96);
+    let iteration = renderer.iterate(&CancelToken::default());
+    assert!(iteration.is_ok(), "nobody cancels");
+    let published = Published {
+        features: Some(Arc::new(renderer.features())),
+        samples: Some(Arc::new(renderer.samples().clone())),
         ..published()
     };
     app_of(published, options)

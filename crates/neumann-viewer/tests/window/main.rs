@@ -7,6 +7,8 @@ mod controls;
 mod edits;
 mod files;
 mod film;
+mod histogram;
+mod kept_views;
 mod series;
 #[path = "../support/mod.rs"]
 mod support;

@@ -2,7 +2,7 @@
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use neumann_core::film::View;
 use neumann_core::integrator::METHODS;
 use neumann_viewer::ViewOptions;
@@ -131,4 +131,19 @@ fn every_method_can_be_reached_and_keeps_camera_view_and_exposure() {
             assert!((app.viewing.settings.exposure_ev - (1.0 / 3.0 - 2.0)).abs() < 1e-6);
         }
     }
+}
+
+#[test]
+fn terms_tell_their_error() {
+    let harness = harness([1280.0, 720.0]);
+    let picture = &harness.state().session.picture;
+    assert_eq!(picture.error(View::Term(0)), None, "nothing is known");
+    assert_eq!(picture.error(View::Term(3)), Some(0.03));
+    assert_eq!(picture.error(View::Tail), Some(0.08));
+    assert_eq!(picture.error(View::Total), Some(0.01));
+    assert_eq!(picture.error(View::Upto(3)), None);
+    let node = harness.get_by_label("term T^3 L_e");
+    let said = node.accesskit_node().description();
+    let said = said.expect("what it shows");
+    assert!(said.ends_with("of the energy, error about 3 %"), "{said}");
 }

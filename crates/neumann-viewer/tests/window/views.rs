@@ -1,6 +1,6 @@
-//! Techniques and photons in place of the picture.
+//! Techniques, photons and what pixels hold beside radiance in place of the picture.
 
-use egui::Key;
+use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use neumann_core::film::{Strategy, TechniqueImage};
@@ -9,7 +9,7 @@ use neumann_viewer::app::App;
 use neumann_viewer::views::photons::PhotonView;
 use neumann_viewer::views::techniques::TechniqueView;
 
-use crate::support::{app_with_photons, app_with_techniques};
+use crate::support::{app_with_photons, app_with_quantities, app_with_techniques};
 use crate::{click, harness, harness_of, press};
 
 fn techniques<'a>(harness: &'a Harness<'_, App>) -> &'a TechniqueView {
@@ -171,4 +171,72 @@ fn photons_of_a_method_without_are_refused_in_a_sentence() {
     press(&mut harness, Key::OpenBracket);
     assert_eq!(harness.state().viewing.views.shown().id, "picture");
     assert!(!harness.state().session.link.draws_photons());
+}
+
+fn shown(harness: &Harness<'_, App>) -> &'static str {
+    harness.state().viewing.views.shown().id
+}
+
+#[test]
+fn a_key_steps_through_what_pixels_hold() {
+    for size in [[1280.0, 720.0], [640.0, 420.0]] {
+        let mut harness = harness_of(size, app_with_quantities());
+        for (id, said) in [
+            ("albedo", "linear shares"),
+            ("normal", "from −1 to 1"),
+            ("depth", " m; black where there is nothing"),
+            ("error", "root mean square 0.01 W"),
+            ("samples", "1 in every pixel"),
+        ] {
+            press(&mut harness, Key::N);
+            assert_eq!(shown(&harness), id);
+            let n = harness.query_all_by_label_contains(said).count();
+            assert_eq!(n, 1, "{id}: {said}");
+            let is_feature = ["albedo", "normal", "depth"].contains(&id);
+            let link = &harness.state().session.link;
+            assert_eq!(link.traces_features(), is_feature, "{id}");
+            assert_eq!(link.n_starts(), 1, "a view never restarts");
+        }
+        press(&mut harness, Key::N);
+        assert_eq!(shown(&harness), "picture");
+        harness.key_press_modifiers(Modifiers::SHIFT, Key::N);
+        harness.run_steps(2);
+        assert_eq!(shown(&harness), "samples");
+        press(&mut harness, Key::Escape);
+        assert_eq!(shown(&harness), "picture");
+        // A term is looked at in the picture.
+        press(&mut harness, Key::N);
+        press(&mut harness, Key::Num2);
+        assert_eq!(shown(&harness), "picture");
+    }
+}
+
+#[test]
+fn what_pixels_hold_is_chosen_on_a_page_and_saved_with_its_legend() {
+    let mut harness = harness_of([1280.0, 720.0], app_with_quantities());
+    press(&mut harness, Key::F4);
+    for (label, id) in [("Depth", "depth"), ("Error", "error"), ("Normal", "normal")] {
+        click(&mut harness, &format!("Show: {label}"));
+        assert_eq!(shown(&harness), id);
+        let app = harness.state();
+        let image = app.viewing.views.image(&app.session, &app.viewing.settings);
+        let image = image.expect("there is something to save");
+        assert_eq!(image.name, id);
+        let pixels = (image.pixels)();
+        assert!(pixels.width > 96 + 100, "the legend stands beside it");
+    }
+    click(&mut harness, "Show: Picture");
+    assert_eq!(shown(&harness), "picture");
+}
+
+#[test]
+fn an_error_that_is_not_known_is_not_shown() {
+    let mut app = app_with_quantities();
+    app.session.picture.stats.estimated_error = None;
+    let mut harness = harness_of([1280.0, 720.0], app);
+    harness.state_mut().session.picture.stats.estimated_error = None;
+    click(&mut harness, "Display");
+    click(&mut harness, "Show: Error");
+    let said = "the error is not known yet, or by this method not at all";
+    assert_eq!(harness.query_all_by_label_contains(said).count(), 1);
 }

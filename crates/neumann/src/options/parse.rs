@@ -27,6 +27,19 @@ pub(crate) fn size(text: &str) -> Result<(usize, usize), String> {
         .ok_or_else(|| format!("use WIDTHxHEIGHT such as 1280x720, each from 1 to {MAX_EDGE}"))
 }
 
+/// `X,Y,W,H`, a part of a picture.
+pub(crate) fn region(text: &str) -> Result<[usize; 4], String> {
+    let parts: Option<Vec<usize>> = text.split(',').map(|p| p.trim().parse().ok()).collect();
+    let is_possible = |[x, y, w, h]: &[usize; 4]| {
+        [*x, *y].iter().all(|v| *v < MAX_EDGE)
+            && [*w, *h].iter().all(|v| (1..=MAX_EDGE).contains(v))
+    };
+    parts
+        .and_then(|parts| <[usize; 4]>::try_from(parts).ok())
+        .filter(is_possible)
+        .ok_or_else(|| "use COLUMN,ROW,WIDTH,HEIGHT such as 400,200,320,200, in pixels".to_owned())
+}
+
 /// `X,Y`, column and row.
 pub(crate) fn pixel(text: &str) -> Result<[u32; 2], String> {
     let parse = || {

@@ -136,7 +136,8 @@ fn options(arguments: &ViewArguments) -> Outcome<ViewOptions> {
         seed: Some(settings.seed),
         size: settings.size,
         stop,
-        part: arguments.view,
+        part: arguments.view.part(),
+        quantity: arguments.view.quantity(),
         exposure: match arguments.display.exposure {
             None => neumann_viewer::Exposure::ForScene,
             Some(Exposure::Stops(stops)) => neumann_viewer::Exposure::Stops(stops),

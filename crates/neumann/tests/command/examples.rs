@@ -224,6 +224,7 @@ fn make_small(line: &mut Vec<String>, opens_window: bool) {
         match option.as_str() {
             "--iterations" | "--first-iteration" | "--after" => *value = fewer(value),
             "--size" => "16x16".clone_into(value),
+            "--region" => "4,4,8,6".clone_into(value),
             "--window-size" => "640x360".clone_into(value),
             "--time" => "0.1".clone_into(value),
             "--until-error" => "0.5".clone_into(value),

@@ -25,6 +25,8 @@ pub struct Camera {
     forward: Vec3,
     /// Half extents of the film: at distance 1 for perspective, in metres for orthographic.
     half: Vec2,
+    /// Where the middle of the film is on that of the whole picture, in the same measure.
+    shift: Vec2,
     projection: Projection,
     lens: Option<Lens>,
     width: f32,
@@ -71,7 +73,8 @@ impl Camera {
     /// A camera for a film of `width × height` pixels.
     ///
     /// A perspective camera keeps its vertical angle of view. The view of an orthographic one is
-    /// cropped to the shape of the film: a wider film shows the whole width of the view.
+    /// cropped to the shape of the film: a wider film shows the whole width of the view. Where the
+    /// film shows a part of the picture, all this holds of the whole.
     #[must_use]
     pub fn new(description: &CameraDescription, width: usize, height: usize) -> Self {
         let m = description.world_from_camera;
@@ -81,7 +84,9 @@ impl Camera {
         let right = forward
             .cross(up_hint)
             .normalize_or(forward.any_orthonormal_vector());
-        let (w, h) = (width as f32, height as f32);
+        let size = [width, height];
+        let whole = description.crop.map_or(size, |crop| crop.of);
+        let [w, h] = whole.map(|n| n as f32);
         let half_height = match description.projection {
             Projection::Perspective { yfov } => (0.5 * yfov).tan(),
             Projection::Orthographic { ymag } => {
@@ -92,6 +97,17 @@ impl Camera {
             }
         };
         let half = Vec2::new(half_height * w / h, half_height);
+        let (half, shift) = match description.crop {
+            None => (half, Vec2::ZERO),
+            Some(crop) => {
+                // The middle of the part, from that of the whole, in halves of the whole.
+                let middle = [0, 1].map(|i| (2 * crop.at[i] + crop.size[i]) as f32);
+                let middle = Vec2::new(middle[0] / w - 1.0, 1.0 - middle[1] / h);
+                let share = Vec2::new(crop.size[0] as f32 / w, crop.size[1] as f32 / h);
+                (half * share, half * middle)
+            }
+        };
+        let [w, h] = size.map(|n| n as f32);
         let lens = description
             .lens
             .filter(|l| l.aperture > 0.0 && l.focus_distance > 0.0);
@@ -101,6 +117,7 @@ impl Camera {
             up: right.cross(forward),
             forward,
             half,
+            shift,
             projection: description.projection,
             lens,
             width: w,
@@ -352,7 +369,7 @@ impl Camera {
             (low, high) = (low - reach, high + reach);
         }
         let middle = Vec2::new(0.5 * self.width, 0.5 * self.height);
-        let [a, b] = [low, high].map(|film| film * self.pixels_per_film + middle);
+        let [a, b] = [low, high].map(|film| (film - self.shift) * self.pixels_per_film + middle);
         (a.is_finite() && b.is_finite()).then(|| [a.min(b) - 1.0, a.max(b) + 1.0])
     }
 
@@ -369,13 +386,13 @@ impl Camera {
         Vec2::new(
             (2.0 * raster.x / self.width - 1.0) * self.half.x,
             (1.0 - 2.0 * raster.y / self.height) * self.half.y,
-        )
+        ) + self.shift
     }
 
     #[inline]
     fn raster_from_film(&self, film: Vec2) -> Option<Vec2> {
         let middle = Vec2::new(0.5 * self.width, 0.5 * self.height);
-        let raster = film * self.pixels_per_film + middle;
+        let raster = (film - self.shift) * self.pixels_per_film + middle;
         let is_inside =
             raster.x >= 0.0 && raster.y >= 0.0 && raster.x < self.width && raster.y < self.height;
         is_inside.then_some(raster)
@@ -410,6 +427,7 @@ mod tests {
             aspect_ratio: None,
             projection,
             lens,
+            crop: None,
         };
         Camera::new(&description, 64, 48)
     }
@@ -423,6 +441,7 @@ mod tests {
                 aspect_ratio: Some(2.0),
                 projection: Projection::Orthographic { ymag: 3.0 },
                 lens: None,
+                crop: None,
             };
             let camera = Camera::new(&description, width, height);
             let origin = |x, y| camera.ray(Vec2::new(x, y), [0.5, 0.5]).ray.origin();

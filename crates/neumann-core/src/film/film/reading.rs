@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Film, Means, Spread, TILES_PER_TASK};
+use crate::film::tile::watched_pixels;
 use crate::film::{TILE, TILE_PIXELS, View};
 use crate::radiometry::Rgb;
 
@@ -46,6 +47,13 @@ impl Film {
     pub fn variance_of_mean(&self, pixel: usize) -> Rgb {
         let total = self.index(self.n_layers + 1, pixel);
         self.deviations_at(total) * self.variance_of_deviations() as f32
+    }
+
+    /// Estimated standard error of the luminance of [`Self::total`] at a pixel, as if its channels
+    /// moved together, which is the safe side; zero before the second iteration.
+    #[must_use]
+    pub fn luminance_error(&self, pixel: usize) -> f32 {
+        self.variance_of_mean(pixel).map(f32::sqrt).luminance()
     }
 
     /// The variance of the mean, over the sum of squared deviations.
@@ -226,6 +234,35 @@ impl Film {
         let n_pixels = self.n_pixels().max(1) as f64;
         let variance = deviations / n_pixels * self.variance_of_deviations();
         (sum > 0.0).then(|| variance.sqrt() / (sum / n_pixels))
+    }
+
+    /// [`Self::estimated_error`] of each layer by itself, tail last, from the pixels of which
+    /// batches are kept. `None` where nothing is known: of a layer that no light has come to, and
+    /// of a film whose history is not known.
+    #[must_use]
+    pub fn layer_errors(&self) -> Vec<Option<f64>> {
+        let n_inside = self.n_watched_inside();
+        let error = |(layer, mean): (usize, &[f64; 3])| {
+            let mean = mean.iter().sum::<f64>() / 3.0;
+            let n = self.n_iterations();
+            let variance = self.layer_spread.variance(layer, n, n_inside)?;
+            (mean > 0.0).then_some(variance.sqrt() / mean)
+        };
+        self.layer_means().iter().enumerate().map(error).collect()
+    }
+
+    /// How many of the pixels that are watched are in the image.
+    fn n_watched_inside(&self) -> usize {
+        let grid = self.grid();
+        let per_tile = self.batch_means.per_tile();
+        let of_tile = |tile: usize| {
+            let bounds = grid.bounds(tile);
+            let [width, height] = [0, 1].map(|i| bounds.end[i] - bounds.start[i]);
+            let watched = watched_pixels(per_tile);
+            let inside = watched.filter(|p| p % TILE < width && p / TILE < height);
+            inside.count()
+        };
+        (0..grid.n_tiles()).map(of_tile).sum()
     }
 
     /// A row of a layer, the total or the deviations, tile by tile.

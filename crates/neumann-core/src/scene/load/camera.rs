@@ -67,6 +67,7 @@ pub(super) fn read(
         projection,
         lens: lens(&camera, &name, notes)?,
         name,
+        crop: None,
     }))
 }
 

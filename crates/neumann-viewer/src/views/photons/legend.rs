@@ -5,6 +5,7 @@ use neumann_core::photons::PhotonPicture;
 use neumann_picture::photons::{PhotonColours, PhotonLook, PowerScale};
 
 use crate::theme::{self, GRID, Palette, ROW};
+use crate::views::plate;
 use crate::widgets::{segmented, segmented_width, significant};
 
 /// Height of a line, points.
@@ -90,7 +91,7 @@ impl Legend {
         let corner = area.max - Vec2::new(2.0 * GRID, 1.5 * GRID);
         let spot = Rect::from_min_max(corner - size, corner);
         let painter = ui.painter().with_clip_rect(area);
-        painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, super::plate(&p));
+        painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, plate::ground(&p));
         if n_columns == 1 {
             let at = pos2(spot.left(), spot.top() + control.y + GRID / 2.0);
             painter.galley(at, title, p.weak);

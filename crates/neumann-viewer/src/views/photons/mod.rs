@@ -8,29 +8,28 @@ mod words;
 
 use std::sync::Arc;
 
-use egui::{
-    Align2, Color32, ColorImage, Context, Key, Painter, Pos2, Rect, TextureFilter, TextureHandle,
-    TextureOptions, Ui, Vec2, pos2,
-};
+use egui::{Align2, Color32, Context, Key, Pos2, Rect, TextureHandle, Ui, pos2};
 use neumann_core::integrator::methods_with_photons;
 use neumann_core::photons::PhotonPicture;
 use neumann_picture::photons::{PhotonColours, PhotonLook, PowerScale, facts};
 use neumann_picture::sheet::photon_sheet;
 
-use super::picture;
 use super::{Needs, Row, Shown, Stage, View};
+use super::{picture, plate};
 use crate::display::ViewSettings;
 use crate::display::image_area::Placement;
 use crate::keys::{self, Action};
+use crate::panels::Page;
 use crate::probe::Reading;
 use crate::session::Session;
-use crate::theme::{self, GRID, Palette};
+use crate::theme::{self, Palette};
 
 use legend::Legend;
 
 /// Its row.
 pub static ROW: Row = Row {
     id: ID,
+    page: Page::Method,
     title: "Show photons",
     about: "The photons of the map as points, by how often they were scattered or by their power",
     key: Some(keys::line(
@@ -116,17 +115,8 @@ impl PhotonView {
             return;
         }
         let pixels = look.pixels(picture, *scale);
-        let size = [pixels.width, pixels.height];
-        let coded = pixels.pixels.into_iter();
-        let coded = coded.map(|[r, g, b]| Color32::from_rgb(r, g, b));
-        let image = ColorImage::new(size, coded.collect());
-        let texture = match self.painted.take() {
-            Some(mut painted) => {
-                painted.texture.set(image, POINTS);
-                painted.texture
-            }
-            None => ctx.load_texture(ID, image, POINTS),
-        };
+        let old = self.painted.take().map(|painted| painted.texture);
+        let texture = plate::texture(ctx, ID, old, pixels);
         self.painted = Some(Painted {
             of: Arc::clone(picture),
             look,
@@ -135,13 +125,6 @@ impl PhotonView {
         });
     }
 }
-
-/// A point is a square pixel, however large; where the picture is shrunk none is left out.
-const POINTS: TextureOptions = TextureOptions {
-    magnification: TextureFilter::Nearest,
-    minification: TextureFilter::Linear,
-    ..TextureOptions::LINEAR
-};
 
 impl View for PhotonView {
     fn close(&mut self) {
@@ -197,7 +180,9 @@ impl View for PhotonView {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         painter.image(painted.texture.id(), placement.film, whole, Color32::WHITE);
         if let Some(facts) = &facts {
-            show_caption(&painter, rect, &caption, facts, &p);
+            // Where there is no room for all, how many there are is left to the status line.
+            let lines = [facts.join(" · "), facts[2..].join(" · ")];
+            stage.caption = plate::show(&painter, rect, &caption, lines, &p);
         }
         if let Some(colours) = painted.legend.show(ui, rect, self.colours) {
             self.colours = colours;
@@ -232,33 +217,4 @@ impl View for PhotonView {
             pixels: Box::new(move || photon_sheet(&picture, scale, &look, [&scene, &line])),
         })
     }
-}
-
-/// What is shown, and of how many photons, in the upper left corner of `rect`.
-fn show_caption(painter: &Painter, rect: Rect, caption: &str, facts: &[String], p: &Palette) {
-    let room = rect.width() - 6.0 * GRID;
-    let caption = painter.layout(caption.to_owned(), theme::body(), p.text, room);
-    let line = |facts: &[String]| {
-        let text = facts.join(" · ");
-        painter.layout_no_wrap(text, theme::small(), p.weak)
-    };
-    // Where there is no room for all, how many there are is left to the status line.
-    let all = line(facts);
-    let facts = if all.size().x > room {
-        line(&facts[2..])
-    } else {
-        all
-    };
-    let at = rect.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
-    let below = caption.size().y + 2.0;
-    let size = Vec2::new(caption.size().x.max(facts.size().x), below + facts.size().y);
-    let spot = Rect::from_min_size(at, size);
-    painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, plate(p));
-    painter.galley(at, caption, p.text);
-    painter.galley(at + Vec2::new(0.0, below), facts, p.weak);
-}
-
-/// What text stands on: photons below it are too busy for the plate of a picture's caption.
-fn plate(p: &Palette) -> Color32 {
-    p.ground.gamma_multiply(0.92)
 }

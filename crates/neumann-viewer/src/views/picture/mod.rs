@@ -15,6 +15,7 @@ use super::{Needs, Row, Shown, Stage, View};
 use crate::compared::Compared;
 use crate::display::image_area::{self, Pictures, Placement};
 use crate::display::{Against, Slot, ViewSettings, ground, legend, values};
+use crate::panels::Page;
 use crate::probe::Reading;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
@@ -22,6 +23,7 @@ use crate::theme::{self, GRID, Palette};
 /// Its row.
 pub static ROW: Row = Row {
     id: "picture",
+    page: Page::Display,
     title: "Picture",
     about: "Any part of the series, as the film has it.",
     key: None,

@@ -17,6 +17,7 @@ use neumann_picture::sheet::{SheetInfo, technique_sheet};
 use super::{Needs, Row, Shown, Stage, View};
 use crate::display::ViewSettings;
 use crate::keys::{self, Action};
+use crate::panels::Page;
 use crate::session::Session;
 
 pub use words::{description, label};
@@ -26,6 +27,7 @@ use pictures::{Tile, TileRow};
 /// Its row.
 pub static ROW: Row = Row {
     id: ID,
+    page: Page::Method,
     title: "Show techniques",
     about: "An image for each technique: s vertices from the light, t from the camera",
     key: Some(keys::line(

@@ -35,7 +35,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mu
     if fold(ui, "Pseudo-code", false) {
         formula::lines(ui, method.pseudo_code, Palette::of(ui).text);
         ui.add_space(GRID);
-        paragraph(ui, NOTATION);
+        paragraph(ui, &NOTATION.replace('\n', " "));
     }
     view_buttons(ui, setup, views, shell);
     ui.add_space(GRID);

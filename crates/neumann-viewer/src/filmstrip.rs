@@ -11,7 +11,7 @@ use crate::display::{Draw, Slot, ViewSettings};
 use crate::formula::{self, Formula};
 use crate::picture::Picture;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{focus_ring, segmented, segmented_width};
+use crate::widgets::{focus_ring, segmented_width, segments};
 
 /// What the filmstrip looks like.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -165,6 +165,15 @@ fn side_by_side(
     });
 }
 
+/// What a row of the strip shows.
+fn about_row(index: usize) -> String {
+    let about = [
+        "One term of the series each: light scattered k times.",
+        "Partial sums: light scattered up to k times.",
+    ];
+    about[index].to_owned()
+}
+
 fn row_name(ui: &Ui, at: egui::Pos2, is_sum: bool) {
     let p = Palette::of(ui);
     let painter = ui.painter();
@@ -292,19 +301,17 @@ fn tile_of(
         painter.rect_stroke(tile, 4, stroke, StrokeKind::Inside);
     }
     focus_ring(ui, &response, tile, 4);
-    name_for_ears(&response, view, is_chosen, share);
+    explain(response, view, is_chosen, share);
 }
 
-fn name_for_ears(response: &egui::Response, view: View, is_chosen: bool, share: Option<f64>) {
+fn explain(response: egui::Response, view: View, is_chosen: bool, share: Option<f64>) {
     response.widget_info(|| {
         WidgetInfo::selected(Role::RadioButton, true, is_chosen, formula::spoken(view))
     });
-    response.ctx.accesskit_node_builder(response.id, |node| {
-        let share = share.map_or_else(String::new, |s| {
-            format!(", {:.1} % of the energy", 100.0 * s)
-        });
-        node.set_description(format!("{}{share}", view.caption()));
+    let share = share.map_or_else(String::new, |s| {
+        format!(", {:.1} % of the energy", 100.0 * s)
     });
+    response.on_hover_text(format!("{}{share}", view.caption()));
 }
 
 /// The strip of a small window: one row, names and shares only.
@@ -316,7 +323,7 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
     let switch = Rect::from_min_size(rect.min, Vec2::new(width, rect.height()));
     let clicked = ui
         .scope_builder(UiBuilder::new().max_rect(switch).id_salt("row"), |ui| {
-            segmented(ui, "row", &labels, usize::from(is_sum))
+            segments(ui, "row", &labels, about_row, usize::from(is_sum))
         })
         .inner;
     if let Some(row) = clicked {
@@ -361,6 +368,6 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
             painter.rect_stroke(chip, 4, stroke, StrokeKind::Inside);
         }
         focus_ring(ui, &response, chip, 4);
-        name_for_ears(&response, view, is_chosen, share);
+        explain(response, view, is_chosen, share);
     });
 }

@@ -29,6 +29,21 @@ pub enum Offer {
     TakeAsSky(PathBuf),
 }
 
+impl Offer {
+    /// What comes of it, in a sentence.
+    fn about(&self) -> &'static str {
+        match self {
+            Self::RemoveSky => "Takes away the sky that was added to the scene.",
+            Self::LookThroughBacks => {
+                "Leaves out single-sided surfaces that the camera sees from behind."
+            }
+            Self::PutSkyBack(_) => "Brings back the sky that was removed.",
+            Self::TakeAsReference(..) => "Takes the dropped file for a reference to compare with.",
+            Self::TakeAsSky(_) => "Takes the dropped file for an environment map.",
+        }
+    }
+}
+
 #[derive(Debug)]
 struct Notice {
     text: String,
@@ -127,12 +142,14 @@ impl Notices {
                                     ui.add(Label::new(text).wrap());
                                 });
                                 if let Some((label, offer)) = &notice.offer
-                                    && button(ui, label).clicked()
+                                    && button(ui, label).on_hover_text(offer.about()).clicked()
                                 {
                                     taken = Some(offer.clone());
                                     closed = Some(i);
                                 }
-                                if icon_button(ui, Icon::Close, "Close notice", "Esc").clicked() {
+                                let about = "Takes it away; it has been read.";
+                                let (icon, name) = (Icon::Close, "Close notice");
+                                if icon_button(ui, icon, name, "Esc", about).clicked() {
                                     closed = Some(i);
                                 }
                             });

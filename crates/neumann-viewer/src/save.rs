@@ -83,7 +83,7 @@ pub fn state(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     let Some(state) = crate::state::of(session, viewing) else {
         shell
             .notices
-            .failure("There is no scene yet whose state could be saved");
+            .failure("There is no scene yet, so there is no state to save");
         return;
     };
     let path = path_of(session, "state", "json");
@@ -109,7 +109,7 @@ pub fn copy(ctx: &Context, session: &Session, viewing: &Viewing, shell: &mut She
 }
 
 fn nothing(shell: &mut Shell) {
-    shell.notices.failure("There is no picture yet to save");
+    shell.notices.failure("There is no picture to save yet");
 }
 
 /// A name that says what is in the file, in the folder where the program was started.

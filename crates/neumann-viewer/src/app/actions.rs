@@ -69,8 +69,10 @@ impl App {
             Action::TextScale(tenths) => {
                 self.shell.text_scale.step(tenths);
                 let percent = 100.0 * self.shell.text_scale.factor();
-                let text = format!("Text at {percent:.0} % of its usual size");
-                self.shell.notices.remark_instead(ctx, &["Text at "], text);
+                let text = format!("Text size {percent:.0} %");
+                self.shell
+                    .notices
+                    .remark_instead(ctx, &["Text size "], text);
             }
             Action::Controls => match ctx.memory(|m| m.focused()) {
                 Some(id) => ctx.memory_mut(|m| m.surrender_focus(id)),
@@ -216,8 +218,7 @@ impl App {
                     viewing.is_wiping = false;
                 } else {
                     self.shell.page = Page::Display;
-                    let text =
-                        "No reference to hold the picture against; load one on the Display page";
+                    let text = "No reference to compare with; load one on the Display page";
                     self.shell.notices.failure(text);
                 }
             }

@@ -34,8 +34,9 @@ pub fn button(ui: &mut Ui, text: &str) -> Response {
     response
 }
 
-/// A square button with an icon; `name` says what it does, `keys` which keys do the same.
-pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, keys: &str) -> Response {
+/// A square button with an icon; `name` says what it does, `keys` which keys do the same, and
+/// `about` what comes of it, in a sentence.
+pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, keys: &str, about: &str) -> Response {
     let p = Palette::of(ui);
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(28.0), Sense::click());
     if response.hovered() {
@@ -45,11 +46,7 @@ pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, keys: &str) -> Response 
     icon.paint(ui.painter(), rect.center(), color);
     focus_ring(ui, &response, rect, 4);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), name));
-    response.on_hover_text(if keys.is_empty() {
-        name.to_owned()
-    } else {
-        format!("{name}  ({keys})")
-    })
+    response.on_hover_text(format!("{name}  ({keys})\n{about}"))
 }
 
 /// A row as wide as the panel: a name, a remark on the right, marked when chosen.

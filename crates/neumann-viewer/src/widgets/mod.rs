@@ -14,7 +14,7 @@ pub use button::{button, icon_button, row_button};
 pub use color::{color_row, color_sliders, hue_row};
 pub use fold::{fold, fold_opened};
 pub use icon::Icon;
-pub use segmented::{choice_row, explained_choice, segmented, segmented_width, segments, tabs};
+pub use segmented::{choice_row, explained_choice, segmented_width, segments, tabs};
 pub use settled::settled;
 pub use slider::{Slider, significant};
 pub use switch::switch;

@@ -26,13 +26,13 @@ fn a_bad_path_says_so_and_keeps_the_scene() {
     let mut harness = harness([1280.0, 960.0]);
     press(&mut harness, Key::F2);
     assert_eq!(harness.state().shell.page, Page::Scene);
-    harness.get_by_label("Path of a scene").focus();
+    harness.get_by_label("Scene path").focus();
     harness.run_steps(2);
     harness
-        .get_by_label("Path of a scene")
+        .get_by_label("Scene path")
         .type_text("no-such-scene.glb");
     harness.run_steps(2);
-    click(&mut harness, "Open");
+    click(&mut harness, "Open scene");
     wait(&mut harness, |app| !app.is_loading());
     let notice = harness
         .state()
@@ -53,7 +53,7 @@ fn a_bad_path_says_so_and_keeps_the_scene() {
 
     harness.state_mut().shell.fields.scene = "cornell".to_owned();
     harness.run_steps(2);
-    click(&mut harness, "Open");
+    click(&mut harness, "Open scene");
     wait(&mut harness, |app| !app.is_loading());
     assert_eq!(
         harness.state().session.setup.open.as_ref().unwrap().source,
@@ -191,7 +191,7 @@ fn the_default_sky_goes_at_a_click_and_others_can_be_chosen() {
     assert_eq!(sky_of(&harness), None);
     let told: Vec<_> = harness.state().shell.notices.texts().collect();
     assert_eq!(told, ["The sky is removed, and nothing shines now"]);
-    click(&mut harness, "Put back");
+    click(&mut harness, "Restore sky");
     assert_eq!(sky_of(&harness).as_deref(), Some("studio"));
     assert_eq!(harness.state().shell.notices.texts().count(), 0);
     harness.state_mut().shell.page = Page::Scene;
@@ -201,7 +201,7 @@ fn the_default_sky_goes_at_a_click_and_others_can_be_chosen() {
     assert_eq!(sky_of(&harness).as_deref(), Some("sun"));
     click(&mut harness, "Sky: none");
     assert_eq!(sky_of(&harness), None);
-    click(&mut harness, "Put back");
+    click(&mut harness, "Restore sky");
     assert_eq!(sky_of(&harness).as_deref(), Some("sun"));
 }
 
@@ -314,8 +314,8 @@ fn enter_loads_what_a_path_field_names() {
     harness.run_steps(2);
     click(&mut harness, "Environment");
     for (field, path) in [
-        ("Path of a .hdr or .exr map", "~/no-such-map.exr"),
-        ("Path of a scene", "~/no-such-scene.glb"),
+        ("Environment map path", "~/no-such-map.exr"),
+        ("Scene path", "~/no-such-scene.glb"),
     ] {
         harness.get_by_label(field).focus();
         harness.run_steps(2);
@@ -350,7 +350,7 @@ fn automatic_exposure_goes_back_to_what_was_set() {
     // By the switch as well.
     harness.state_mut().shell.page = Page::Display;
     toggle(&mut harness);
-    click(&mut harness, "Automatic");
+    click(&mut harness, "Automatic exposure");
     assert!((exposure(&harness) - set).abs() < 1e-6);
     // What is set meanwhile stays.
     toggle(&mut harness);

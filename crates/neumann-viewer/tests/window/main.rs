@@ -11,6 +11,7 @@ mod series;
 #[path = "../support/mod.rs"]
 mod support;
 mod views;
+mod words;
 
 use egui::{Key, Theme};
 use egui_kittest::Harness;

@@ -14,6 +14,7 @@ use neumann_picture::exr_file::is_panorama;
 use crate::compared::Reference;
 use crate::compared::measured::{Measurement, Outcome};
 use crate::render_link::yield_to_renderer;
+use crate::writing::Writing;
 
 /// Something that was asked for has come, or has failed.
 pub enum Arrival {
@@ -220,13 +221,20 @@ impl Background {
                 .set_title("Save the picture")
                 .set_file_name(name)
                 .add_filter("PNG", &["png"]);
-            dialog.save_file().map(|path| Arrival::Saved(write(path)))
+            let path = dialog.save_file()?;
+            let _writing = Writing::begin();
+            Some(Arrival::Saved(write(path)))
         });
     }
 
     /// Writes something; what it yields is shown as a notice.
     pub fn save(&mut self, write: impl FnOnce() -> Result<String, String> + Send + 'static) {
-        self.run("neumann-save", move || Some(Arrival::Saved(write())));
+        let writing = Writing::begin();
+        self.run("neumann-save", move || {
+            let saved = write();
+            drop(writing);
+            Some(Arrival::Saved(saved))
+        });
     }
 
     fn run(&mut self, name: &str, work: impl FnOnce() -> Option<Arrival> + Send + 'static) {

@@ -38,7 +38,7 @@ fn no_window(error: ViewError) -> NoWindow {
                 .to_owned(),
         ),
         error @ ViewError::TooLarge { .. } => NoWindow::Failed(bad_input(error)),
-        error @ ViewError::Other(_) => NoWindow::Failed(error.into()),
+        error @ (ViewError::Gone | ViewError::Other(_)) => NoWindow::Failed(error.into()),
     }
 }
 

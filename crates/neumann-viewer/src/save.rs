@@ -93,6 +93,25 @@ pub fn state(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     });
 }
 
+/// Copies all that has been chosen as one line, which can be pasted into a window elsewhere; says
+/// which files that needs.
+pub fn copy_state(ctx: &Context, session: &Session, viewing: &Viewing, shell: &mut Shell) {
+    let Some(state) = crate::state::of(session, viewing) else {
+        let text = "There is no scene yet, so there is no state to copy";
+        return shell.notices.failure(text);
+    };
+    ctx.copy_text(state.to_line());
+    let files = state.files();
+    shell.notices.remark(
+        ctx,
+        if files.is_empty() {
+            "Copied the state; Ctrl V in another window opens it".to_owned()
+        } else {
+            format!("Copied the state; it needs {}", files.join(" and "))
+        },
+    );
+}
+
 /// Copies what is shown.
 pub fn copy(ctx: &Context, session: &Session, viewing: &Viewing, shell: &mut Shell) {
     let Some(image) = viewing.views.image(session, &viewing.settings) else {

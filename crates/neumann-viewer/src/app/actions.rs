@@ -62,6 +62,9 @@ impl App {
             }
             Action::Copy => save::copy(ctx, &self.session, &self.viewing, &mut self.shell),
             Action::CopyCommand => self.copy_command(ctx),
+            Action::CopyState => {
+                save::copy_state(ctx, &self.session, &self.viewing, &mut self.shell);
+            }
             Action::Panels if self.shell.is_presenting => self.shell.is_presenting = false,
             Action::Panels => self.shell.is_bare = !self.shell.is_bare,
             Action::Panel(i) => self.shell.show_page(Page::ALL[i.min(Page::ALL.len() - 1)]),

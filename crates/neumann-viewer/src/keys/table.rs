@@ -281,6 +281,13 @@ pub static HELP: &[HelpLine] = &[
         &[on(CTRL.plus(SHIFT), Key::L, Action::CopyCommand)],
     ),
     line(
+        FILES,
+        "Ctrl Shift C",
+        "copy the state",
+        &[on(CTRL.plus(SHIFT), Key::C, Action::CopyState)],
+    ),
+    line(FILES, "Ctrl V", "paste a state", &[]),
+    line(
         WINDOW,
         "Tab",
         "show or hide the panels",

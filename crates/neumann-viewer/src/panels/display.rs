@@ -210,7 +210,7 @@ fn reference(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: 
 
 fn save(ui: &mut Ui, shell: &mut Shell) {
     rule(ui);
-    heading(ui, "Save");
+    heading(ui, "Save and copy");
     ui.horizontal(|ui| {
         let about = "Writes what is shown to a PNG file in the current folder. (Ctrl S)";
         if button(ui, "Save PNG").on_hover_text(about).clicked() {
@@ -219,6 +219,24 @@ fn save(ui: &mut Ui, shell: &mut Shell) {
         let about = "Writes what is shown to a PNG file of a name to be chosen.";
         if button(ui, "Save as …").on_hover_text(about).clicked() {
             shell.save_as();
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        for (name, about, action) in [
+            (
+                "Copy state",
+                "Copies all that is chosen as text, to paste elsewhere. (Ctrl Shift C)",
+                Action::CopyState,
+            ),
+            (
+                "Copy command",
+                "Copies the command that renders the same. (Ctrl Shift L)",
+                Action::CopyCommand,
+            ),
+        ] {
+            if button(ui, name).on_hover_text(about).clicked() {
+                shell.act(ui.ctx(), action);
+            }
         }
     });
 }

@@ -284,14 +284,19 @@ fn a_window_that_is_taken_away_ends_the_program_with_one_sentence() {
         let Some(mut opened) = open("furnace") else {
             return;
         };
-        opened.press("ctrl+plus");
-        opened.press("ctrl+shift+s");
         let folder = opened.display.folder.clone();
+        // There is a state as soon as there is a scene.
         let kept = opened.display.wait_for("state", |_| {
+            opened.press("ctrl+shift+s");
             let files = std::fs::read_dir(&folder).unwrap();
             let mut files = files.map(|file| file.unwrap().path());
             files.find(|path| path.extension().is_some_and(|e| e == "json"))
         });
+        opened.press("ctrl+plus");
+        let scale = folder.join("neumann").join("text-scale.txt");
+        opened
+            .display
+            .wait_for("size of texts", |_| scale.exists().then_some(()));
         match how {
             "server" => opened.display.server.0.kill().unwrap(),
             _ => {
@@ -302,7 +307,6 @@ fn a_window_that_is_taken_away_ends_the_program_with_one_sentence() {
         let (code, text) = opened.ended();
         assert_eq!((code, text.as_str()), (Some(1), GONE), "{how}");
         State::read(&kept).unwrap();
-        let scale = folder.join("neumann").join("text-scale.txt");
         assert_eq!(std::fs::read_to_string(scale).unwrap(), "1.1\n", "{how}");
         std::fs::remove_dir_all(folder).unwrap();
     }

@@ -1,6 +1,6 @@
 //! Pictures out of the window: PNG, EXR, the series as a sheet, the clipboard.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage, Context};
@@ -22,7 +22,7 @@ pub fn png(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     let path = path_of(session, &image.name, "png");
     shell.background.save(move || {
         write_png(&path, &(image.pixels)()).map_err(|e| e.to_string())?;
-        Ok(format!("Saved {}", shown(&path)))
+        Ok(absolute(path))
     });
 }
 
@@ -37,7 +37,7 @@ pub fn png_as(session: &Session, viewing: &Viewing, shell: &mut Shell) {
             path.set_extension("png");
         }
         write_png(&path, &(image.pixels)()).map_err(|e| e.to_string())?;
-        Ok(format!("Saved {}", shown(&path)))
+        Ok(absolute(path))
     });
 }
 
@@ -56,7 +56,7 @@ pub fn exr(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     shell.background.save(move || {
         let features = Features::trace(&scene, &camera, film.width(), film.height());
         write_exr(&path, &film, Some(&features), &metadata).map_err(|e| e.to_string())?;
-        Ok(format!("Saved {}", shown(&path)))
+        Ok(absolute(path))
     });
 }
 
@@ -74,7 +74,7 @@ pub fn sheet(session: &Session, settings: &ViewSettings, shell: &mut Shell) {
     let path = path_of(session, "series", "png");
     shell.background.save(move || {
         write_png(&path, &lay_out_sheet(&film, &info)).map_err(|e| e.to_string())?;
-        Ok(format!("Saved {}", shown(&path)))
+        Ok(absolute(path))
     });
 }
 
@@ -89,7 +89,7 @@ pub fn state(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     let path = path_of(session, "state", "json");
     shell.background.save(move || {
         state.write(&path).map_err(|e| e.to_string())?;
-        Ok(format!("Saved {}", shown(&path)))
+        Ok(absolute(path))
     });
 }
 
@@ -149,9 +149,7 @@ fn path_of(session: &Session, what: &str, extension: &str) -> PathBuf {
     PathBuf::from(format!("{safe}-{n}.{extension}"))
 }
 
-fn shown(path: &Path) -> String {
-    std::path::absolute(path).map_or_else(
-        |_| path.display().to_string(),
-        |path| path.display().to_string(),
-    )
+/// Where it is, whatever folder the program was started in.
+fn absolute(path: PathBuf) -> PathBuf {
+    std::path::absolute(&path).unwrap_or(path)
 }

@@ -287,6 +287,7 @@ impl App {
             Offer::RemoveSky => {
                 panels::remove_sky(&mut self.session.setup, &mut self.shell.notices);
             }
+            Offer::ShowFolder(path) => self.shell.background.show_folder(path),
             Offer::PutSkyBack(former) => self.session.setup.put_sky_back(&former),
             Offer::TakeAsReference(path, former) => {
                 if let Some(former) = former {
@@ -324,7 +325,12 @@ impl App {
                 Arrival::Chosen(wanted, path) => self.open_chosen(wanted, path),
                 Arrival::NoDialog(wanted) => self.list_files(wanted),
                 Arrival::Dropped(wanted, path) => self.take_dropped_picture(wanted, path),
-                Arrival::Saved(Ok(text)) => self.shell.notices.remark(ctx, text),
+                Arrival::Saved(Ok(path)) => self.shell.notices.saved(ctx, path),
+                Arrival::NoOpener(path) => {
+                    ctx.copy_text(path.display().to_string());
+                    let text = "Copied the path, as no program here shows folders";
+                    self.shell.notices.remark(ctx, text);
+                }
                 Arrival::Environment(_, Err(error)) => {
                     // Another map that comes later is no part of the opening.
                     self.awaits_map = false;

@@ -8,10 +8,7 @@ use crate::theme::{self, GRID, Palette, ROW};
 /// A button with words on it.
 pub fn button(ui: &mut Ui, text: &str) -> Response {
     let p = Palette::of(ui);
-    let galley = ui
-        .painter()
-        .layout_no_wrap(text.to_owned(), theme::body(), p.text);
-    let size = Vec2::new(galley.size().x + 3.0 * GRID, ROW);
+    let size = Vec2::new(button_width(ui, text), ROW);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     let fill = if response.is_pointer_button_down_on() {
         p.chosen
@@ -32,6 +29,15 @@ pub fn button(ui: &mut Ui, text: &str) -> Response {
     focus_ring(ui, &response, rect, 4);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), text));
     response
+}
+
+/// Width of a [`button`] with these words, points.
+#[must_use]
+pub fn button_width(ui: &Ui, text: &str) -> f32 {
+    let color = Palette::of(ui).text;
+    let painter = ui.painter();
+    let galley = painter.layout_no_wrap(text.to_owned(), theme::body(), color);
+    galley.size().x + 3.0 * GRID
 }
 
 /// A square button with an icon; `name` says what it does, `keys` which keys do the same, and

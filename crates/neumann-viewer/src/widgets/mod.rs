@@ -10,7 +10,7 @@ mod slider;
 mod switch;
 mod text;
 
-pub use button::{button, icon_button, row_button};
+pub use button::{button, button_width, icon_button, row_button};
 pub use color::{color_row, color_sliders, hue_row};
 pub use fold::{fold, fold_opened};
 pub use icon::Icon;

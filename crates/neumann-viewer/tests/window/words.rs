@@ -116,6 +116,8 @@ fn every_control_of_pages_and_views_says_what_it_does() {
     // A small window has a menu and chips; what lies over it closes.
     let mut small = crate::harness([640.0, 420.0]);
     small.state_mut().shell.notices.failure("This went wrong");
+    let ctx = small.ctx.clone();
+    small.state_mut().shell.notices.saved(&ctx, "a.png".into());
     small.state_mut().shell.is_menu_open = true;
     small.run_steps(2);
     walk(&mut small, "small", &mut all);

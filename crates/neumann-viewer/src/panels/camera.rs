@@ -115,7 +115,7 @@ fn film(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     heading(ui, "Film");
     let setup = &mut session.setup;
     let (width, height) = setup.size;
-    fact(ui, "Size", &format!("{width} × {height} pixels"));
+    fact(ui, "Resolution", &format!("{width} × {height} pixels"));
     let chosen = match setup.film_size {
         FilmSize::Window => 0,
         FilmSize::Locked => 1,

@@ -174,7 +174,8 @@ fn emission(
     let slider = Slider::new("Emission", 0.0, 1000.0)
         .logarithmic(true)
         .default(f64::from(original.emission.max_channel()))
-        .about("Radiance of the brightest channel, W m⁻² sr⁻¹.");
+        .unit("W m⁻² sr⁻¹")
+        .about("Radiance of the brightest channel.");
     let mut is_changed = slider.show(ui, &mut strength).changed();
     if is_changed {
         let hues = [material.emission, kept, original.emission];

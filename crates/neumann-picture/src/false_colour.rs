@@ -40,6 +40,17 @@ impl ColourMap {
         }
     }
 
+    /// Its colours in words, from low to high.
+    #[must_use]
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::Viridis => "violet, green, yellow",
+            Self::Inferno => "black, red, yellow, white",
+            Self::Magma => "black, violet, pink, white",
+            Self::Cividis => "blue, grey, yellow; for all kinds of colour vision",
+        }
+    }
+
     /// The colour at `t`, sRGB codes; outside of [0, 1] that of the nearer end, and of 0 for NaN.
     #[must_use]
     pub fn rgb(self, t: f32) -> [u8; 3] {

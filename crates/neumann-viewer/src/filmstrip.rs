@@ -11,7 +11,7 @@ use crate::display::{Draw, Slot, ViewSettings};
 use crate::formula::{self, Formula};
 use crate::picture::Picture;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{focus_ring, segmented, segmented_width, significant};
+use crate::widgets::{focus_ring, segmented_width, segments, significant};
 
 /// What the filmstrip looks like.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,6 +163,15 @@ fn side_by_side(
                 }
             });
     });
+}
+
+/// What a row of the strip shows.
+fn about_row(index: usize) -> String {
+    let about = [
+        "One term of the series each: light scattered k times.",
+        "Partial sums: light scattered up to k times.",
+    ];
+    about[index].to_owned()
 }
 
 fn row_name(ui: &Ui, at: egui::Pos2, is_sum: bool) {
@@ -328,7 +337,7 @@ fn chips(ui: &mut Ui, rect: Rect, picture: &Picture, settings: &mut ViewSettings
     let switch = Rect::from_min_size(rect.min, Vec2::new(width, rect.height()));
     let clicked = ui
         .scope_builder(UiBuilder::new().max_rect(switch).id_salt("row"), |ui| {
-            segmented(ui, "row", &labels, usize::from(is_sum))
+            segments(ui, "row", &labels, about_row, usize::from(is_sum))
         })
         .inner;
     if let Some(row) = clicked {

@@ -7,7 +7,8 @@
 //! at ([`viewing`], [`display`]), beside what it is held against ([`compared`]); and the [`shell`]
 //! around it. [`views`] are what can stand on the stage, the picture first. [`filmstrip`],
 //! [`panels`], [`top_bar`] and [`status`] are the rest of what one sees; [`keys`] is the one table
-//! of keys. [`state`] writes down what has been chosen, and takes it up again.
+//! of keys. [`state`] writes down what has been chosen, and takes it up again. `gone` and `writing`
+//! see to a good end when the window is taken away.
 
 pub mod app;
 pub mod blind_spots;
@@ -21,6 +22,7 @@ pub mod filmstrip;
 pub mod flight;
 pub mod formula;
 pub mod gallery;
+mod gone;
 pub mod help;
 pub mod histogram;
 pub mod history;
@@ -51,6 +53,7 @@ pub mod viewing;
 pub mod views;
 pub mod widgets;
 mod window;
+mod writing;
 
 pub use onlooker::Onlooker;
 pub use options::{

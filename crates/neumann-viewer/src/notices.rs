@@ -6,7 +6,7 @@ use egui::{Align2, Context, Frame, Id, Label, Margin, RichText, Stroke};
 
 use crate::setup::Snapshot;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{Icon, button, icon_button};
+use crate::widgets::{Icon, button, button_width, icon_button};
 
 /// Sentences for the user, newest last.
 #[derive(Debug, Default)]
@@ -27,6 +27,24 @@ pub enum Offer {
     TakeAsReference(PathBuf, Option<Box<Snapshot>>),
     /// A dropped file that was taken for a reference is a sky.
     TakeAsSky(PathBuf),
+    /// Show the folder of a file that was saved.
+    ShowFolder(PathBuf),
+}
+
+impl Offer {
+    /// What comes of it, in a sentence.
+    fn about(&self) -> &'static str {
+        match self {
+            Self::RemoveSky => "Takes away the sky that was added to the scene.",
+            Self::LookThroughBacks => {
+                "Leaves out single-sided surfaces that the camera sees from behind."
+            }
+            Self::PutSkyBack(_) => "Brings back the sky that was removed.",
+            Self::TakeAsReference(..) => "Takes the dropped file for a reference to compare with.",
+            Self::ShowFolder(_) => "Opens the folder of the file, or copies its path.",
+            Self::TakeAsSky(_) => "Takes the dropped file for an environment map.",
+        }
+    }
 }
 
 #[derive(Debug)]
@@ -53,6 +71,17 @@ impl Notices {
     pub fn remark(&mut self, ctx: &Context, text: impl Into<String>) {
         let until = ctx.input(|i| i.time) + 6.0;
         self.push(text.into(), None, Some(until));
+    }
+
+    /// A file was saved: goes by itself; a button shows its folder until then.
+    pub fn saved(&mut self, ctx: &Context, path: PathBuf) {
+        let until = ctx.input(|i| i.time) + 12.0;
+        let text = format!("Saved {}", path.display());
+        self.push(
+            text,
+            Some(("Show folder", Offer::ShowFolder(path))),
+            Some(until),
+        );
     }
 
     /// As [`Self::remark`], in place of those that begin so.
@@ -120,19 +149,25 @@ impl Notices {
                         })
                         .show(ui, |ui| {
                             ui.horizontal(|ui| {
-                                let width = (area.width() - 120.0).clamp(160.0, 480.0);
+                                let beside = notice.offer.as_ref().map_or(0.0, |(label, _)| {
+                                    button_width(ui, label) + ui.spacing().item_spacing.x
+                                });
+                                let room = area.width() - 100.0 - beside;
+                                let width = room.clamp(120.0, 480.0);
                                 ui.scope(|ui| {
                                     ui.set_max_width(width);
                                     let text = RichText::new(&notice.text).font(theme::body());
                                     ui.add(Label::new(text).wrap());
                                 });
                                 if let Some((label, offer)) = &notice.offer
-                                    && button(ui, label).clicked()
+                                    && button(ui, label).on_hover_text(offer.about()).clicked()
                                 {
                                     taken = Some(offer.clone());
                                     closed = Some(i);
                                 }
-                                if icon_button(ui, Icon::Close, "Close notice", "Esc").clicked() {
+                                let about = "Takes it away; it has been read.";
+                                let (icon, name) = (Icon::Close, "Close notice");
+                                if icon_button(ui, icon, name, "Esc", about).clicked() {
                                     closed = Some(i);
                                 }
                             });

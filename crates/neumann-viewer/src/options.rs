@@ -162,6 +162,9 @@ pub enum ViewError {
         /// What can be had.
         largest: usize,
     },
+    /// The window went away while it was open.
+    #[error("the window is gone: its display has ended, or another program has closed it")]
+    Gone,
     /// Something else.
     #[error("{0}")]
     Other(String),

@@ -1,6 +1,6 @@
 //! Pictures out of the window: PNG, EXR, the series as a sheet, the clipboard.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage, Context};
@@ -22,7 +22,7 @@ pub fn png(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     let path = path_of(session, &image.name, "png");
     shell.background.save(move || {
         write_png(&path, &(image.pixels)()).map_err(|e| e.to_string())?;
-        Ok(format!("Saved {}", shown(&path)))
+        Ok(absolute(path))
     });
 }
 
@@ -37,7 +37,7 @@ pub fn png_as(session: &Session, viewing: &Viewing, shell: &mut Shell) {
             path.set_extension("png");
         }
         write_png(&path, &(image.pixels)()).map_err(|e| e.to_string())?;
-        Ok(format!("Saved {}", shown(&path)))
+        Ok(absolute(path))
     });
 }
 
@@ -56,7 +56,7 @@ pub fn exr(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     shell.background.save(move || {
         let features = Features::trace(&scene, &camera, film.width(), film.height());
         write_exr(&path, &film, Some(&features), &metadata).map_err(|e| e.to_string())?;
-        Ok(format!("Saved {}", shown(&path)))
+        Ok(absolute(path))
     });
 }
 
@@ -74,7 +74,7 @@ pub fn sheet(session: &Session, settings: &ViewSettings, shell: &mut Shell) {
     let path = path_of(session, "series", "png");
     shell.background.save(move || {
         write_png(&path, &lay_out_sheet(&film, &info)).map_err(|e| e.to_string())?;
-        Ok(format!("Saved {}", shown(&path)))
+        Ok(absolute(path))
     });
 }
 
@@ -83,14 +83,33 @@ pub fn state(session: &Session, viewing: &Viewing, shell: &mut Shell) {
     let Some(state) = crate::state::of(session, viewing) else {
         shell
             .notices
-            .failure("There is no scene yet whose state could be saved");
+            .failure("There is no scene yet, so there is no state to save");
         return;
     };
     let path = path_of(session, "state", "json");
     shell.background.save(move || {
         state.write(&path).map_err(|e| e.to_string())?;
-        Ok(format!("Saved {}", shown(&path)))
+        Ok(absolute(path))
     });
+}
+
+/// Copies all that has been chosen as one line, which can be pasted into a window elsewhere; says
+/// which files that needs.
+pub fn copy_state(ctx: &Context, session: &Session, viewing: &Viewing, shell: &mut Shell) {
+    let Some(state) = crate::state::of(session, viewing) else {
+        let text = "There is no scene yet, so there is no state to copy";
+        return shell.notices.failure(text);
+    };
+    ctx.copy_text(state.to_line());
+    let files = state.files();
+    shell.notices.remark(
+        ctx,
+        if files.is_empty() {
+            "Copied the state; Ctrl V in another window opens it".to_owned()
+        } else {
+            format!("Copied the state; it needs {}", files.join(" and "))
+        },
+    );
 }
 
 /// Copies what is shown.
@@ -109,7 +128,7 @@ pub fn copy(ctx: &Context, session: &Session, viewing: &Viewing, shell: &mut She
 }
 
 fn nothing(shell: &mut Shell) {
-    shell.notices.failure("There is no picture yet to save");
+    shell.notices.failure("There is no picture to save yet");
 }
 
 /// A name that says what is in the file, in the folder where the program was started.
@@ -130,9 +149,7 @@ fn path_of(session: &Session, what: &str, extension: &str) -> PathBuf {
     PathBuf::from(format!("{safe}-{n}.{extension}"))
 }
 
-fn shown(path: &Path) -> String {
-    std::path::absolute(path).map_or_else(
-        |_| path.display().to_string(),
-        |path| path.display().to_string(),
-    )
+/// Where it is, whatever folder the program was started in.
+fn absolute(path: PathBuf) -> PathBuf {
+    std::path::absolute(&path).unwrap_or(path)
 }

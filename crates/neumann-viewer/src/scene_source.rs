@@ -1,6 +1,7 @@
 //! Opens scenes in the background, so that the window stays alive.
 
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
@@ -14,6 +15,7 @@ use neumann_picture::exr_file::is_panorama;
 use crate::compared::Reference;
 use crate::compared::measured::{Measurement, Outcome};
 use crate::render_link::yield_to_renderer;
+use crate::writing::Writing;
 
 /// Something that was asked for has come, or has failed.
 pub enum Arrival {
@@ -34,7 +36,9 @@ pub enum Arrival {
     /// A picture was dropped on the window, and is most likely this.
     Dropped(Wanted, PathBuf),
     /// A file was written, or could not be.
-    Saved(Result<String, String>),
+    Saved(Result<PathBuf, String>),
+    /// Nothing here shows the folder of this file.
+    NoOpener(PathBuf),
 }
 
 /// What a dialog asks for.
@@ -89,7 +93,18 @@ pub struct Background {
     wake: Arc<dyn Fn() + Send + Sync>,
     n_running: usize,
     n_scenes: u64,
+    /// The program that shows a folder.
+    pub opener: PathBuf,
 }
+
+/// What opens a folder on this system.
+const OPENER: &str = if cfg!(target_os = "windows") {
+    "explorer"
+} else if cfg!(target_os = "macos") {
+    "open"
+} else {
+    "xdg-open"
+};
 
 impl Background {
     /// `wake` is called, on another thread, when something has come.
@@ -102,6 +117,7 @@ impl Background {
             wake,
             n_running: 0,
             n_scenes: 0,
+            opener: PathBuf::from(OPENER),
         }
     }
 
@@ -213,20 +229,44 @@ impl Background {
     pub fn save_as(
         &mut self,
         name: String,
-        write: impl FnOnce(PathBuf) -> Result<String, String> + Send + 'static,
+        write: impl FnOnce(PathBuf) -> Result<PathBuf, String> + Send + 'static,
     ) {
         self.run("neumann-dialog", move || {
             let dialog = rfd::FileDialog::new()
                 .set_title("Save the picture")
                 .set_file_name(name)
                 .add_filter("PNG", &["png"]);
-            dialog.save_file().map(|path| Arrival::Saved(write(path)))
+            let path = dialog.save_file()?;
+            let _writing = Writing::begin();
+            Some(Arrival::Saved(write(path)))
         });
     }
 
-    /// Writes something; what it yields is shown as a notice.
-    pub fn save(&mut self, write: impl FnOnce() -> Result<String, String> + Send + 'static) {
-        self.run("neumann-save", move || Some(Arrival::Saved(write())));
+    /// Shows the folder of a file in the desktop's file manager.
+    pub fn show_folder(&mut self, file: PathBuf) {
+        let opener = self.opener.clone();
+        self.run("neumann-folder", move || {
+            let folder = file.parent().unwrap_or(Path::new("/"));
+            let status = Command::new(opener)
+                .arg(folder)
+                .stdin(Stdio::null())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .status();
+            // Explorer says that it failed whatever it does.
+            let is_shown = status.is_ok_and(|s| s.success() || cfg!(target_os = "windows"));
+            (!is_shown).then_some(Arrival::NoOpener(file))
+        });
+    }
+
+    /// Writes something; the path that it yields is shown in a notice.
+    pub fn save(&mut self, write: impl FnOnce() -> Result<PathBuf, String> + Send + 'static) {
+        let writing = Writing::begin();
+        self.run("neumann-save", move || {
+            let saved = write();
+            drop(writing);
+            Some(Arrival::Saved(saved))
+        });
     }
 
     fn run(&mut self, name: &str, work: impl FnOnce() -> Option<Arrival> + Send + 'static) {

@@ -22,6 +22,8 @@ pub(crate) struct Surface {
     renderer: Renderer,
     /// The adapter is a program, not a processor.
     pub(crate) is_software: bool,
+    /// The window can no longer be drawn to.
+    pub(crate) is_gone: bool,
 }
 
 impl Surface {
@@ -72,6 +74,7 @@ impl Surface {
             config,
             renderer,
             is_software: adapter.get_info().device_type == wgpu::DeviceType::Cpu,
+            is_gone: false,
         })
     }
 
@@ -84,8 +87,15 @@ impl Surface {
     pub(crate) fn resize(&mut self, width: u32, height: u32) {
         if width > 0 && height > 0 {
             (self.config.width, self.config.height) = (width, height);
-            self.surface.configure(&self.device, &self.config);
+            self.configure();
         }
+    }
+
+    /// Makes the surface anew, which only a window that was destroyed refuses.
+    fn configure(&mut self) {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        self.surface.configure(&self.device, &self.config);
+        self.is_gone |= pollster::block_on(scope.pop()).is_some();
     }
 
     /// Draws and presents; yields the time spent before the device's own work began.
@@ -98,7 +108,7 @@ impl Surface {
         let frame = match self.surface.get_current_texture() {
             Current::Success(frame) | Current::Suboptimal(frame) => Some(frame),
             Current::Outdated | Current::Lost => {
-                self.surface.configure(&self.device, &self.config);
+                self.configure();
                 window.request_redraw();
                 None
             }

@@ -62,7 +62,7 @@ fn scene_button(ui: &mut Ui, rect: Rect, setup: &Setup, page: &mut Page) -> Rect
     let name = setup
         .open
         .as_ref()
-        .map_or("no scene", |open| open.short_name());
+        .map_or("No scene", |open| open.short_name());
     let mut job =
         egui::text::LayoutJob::simple_singleline(name.to_owned(), theme::semibold(), p.text);
     job.wrap = egui::text::TextWrapping::truncate_at_width(160.0);
@@ -129,7 +129,7 @@ fn commands(ui: &mut Ui, rect: Rect, is_paused: bool, shell: &mut Shell) -> Rect
         ),
         (
             Icon::Theme,
-            "Light or dark",
+            "Change theme",
             "Ctrl T",
             "Changes between the light and the dark window.",
             Action::Theme,
@@ -143,7 +143,7 @@ fn commands(ui: &mut Ui, rect: Rect, is_paused: bool, shell: &mut Shell) -> Rect
         ),
         (
             Icon::Help,
-            "Help",
+            "Show help",
             "?",
             "Shows what every key does.",
             Action::Help,
@@ -157,11 +157,9 @@ fn commands(ui: &mut Ui, rect: Rect, is_paused: bool, shell: &mut Shell) -> Rect
     ui.scope_builder(builder, |ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         for (icon, name, keys, about, action) in buttons {
-            let response = icon_button(ui, icon, name, keys);
-            if response.clicked() {
+            if icon_button(ui, icon, name, keys, about).clicked() {
                 chosen = Some(action);
             }
-            response.on_hover_text(about);
         }
     });
     if let Some(action) = chosen {
@@ -233,9 +231,7 @@ fn menu(ui: &mut Ui, room: Rect, setup: &mut Setup, is_open: &mut bool) {
     if response.clicked() {
         *is_open = !*is_open;
     }
-    if !*is_open {
-        response.clone().on_hover_text(about_method(setup.method));
-    }
+    let response = response.on_hover_text("The method. A click shows all of them.");
     if !*is_open {
         return;
     }
@@ -252,7 +248,8 @@ fn menu(ui: &mut Ui, room: Rect, setup: &mut Setup, is_open: &mut bool) {
                     ui.set_width(328.0);
                     for (i, method) in METHODS.iter().enumerate() {
                         let is_chosen = i == setup.method;
-                        if row_button(ui, method.id, method.name, is_chosen).clicked() {
+                        let row = row_button(ui, method.id, method.name, is_chosen);
+                        if row.on_hover_text(about_method(i)).clicked() {
                             setup.choose_method(i);
                             *is_open = false;
                         }

@@ -26,6 +26,7 @@ use crate::render_link::RenderLink;
 use crate::shell::WindowRequest;
 use crate::surface::Surface;
 use crate::text_scale::TextScale;
+use crate::{gone, writing};
 
 /// What reaches the window beside winit's own events.
 #[derive(Debug)]
@@ -70,6 +71,7 @@ pub(crate) fn run(
     let event_loop = EventLoop::<Event>::with_user_event()
         .build()
         .map_err(|e| ViewError::NoDisplay(one_line(&e.to_string())))?;
+    gone::watch(&event_loop);
     let mut handler = Handler {
         proxy: event_loop.create_proxy(),
         options: Some(options),
@@ -77,9 +79,10 @@ pub(crate) fn run(
         failure: None,
         onlooker,
     };
-    event_loop
-        .run_app(&mut handler)
-        .map_err(|e| ViewError::Other(e.to_string()))?;
+    let run = event_loop.run_app(&mut handler);
+    writing::finish(gone::PATIENCE);
+    // A loop that has begun fails only when its display does.
+    run.map_err(|_| ViewError::Gone)?;
     match handler.failure {
         Some(failure) => Err(failure),
         None => Ok(()),
@@ -216,6 +219,7 @@ impl ApplicationHandler<Event> for Handler<'_> {
                 close(running, event_loop);
                 return;
             }
+            WindowEvent::Destroyed => running.surface.is_gone = true,
             WindowEvent::RedrawRequested => {
                 running.redraw(event_loop);
                 if let Some(onlooker) = &mut self.onlooker {
@@ -277,6 +281,11 @@ impl ApplicationHandler<Event> for Handler<'_> {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        if self.running.as_ref().is_some_and(|r| r.surface.is_gone) {
+            self.failure = Some(ViewError::Gone);
+            event_loop.exit();
+            return;
+        }
         let next = self.running.as_ref().and_then(|r| r.next);
         event_loop.set_control_flow(next.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }

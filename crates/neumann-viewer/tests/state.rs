@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use egui::{Key, Modifiers, Theme};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use glam::Vec2;
 use neumann_core::film::View as Part;
 use neumann_core::radiometry::Rgb;
@@ -87,6 +88,92 @@ fn change(app: &mut App) {
     settings.map_stops = 7.5;
     settings.zoom = Some(3.3);
     settings.center = [0.1, 0.9];
+}
+
+/// What was copied as text in the last frame.
+fn copied(harness: &Harness<'_, App>) -> Option<String> {
+    let commands = &harness.output().platform_output.commands;
+    commands.iter().find_map(|command| match command {
+        egui::OutputCommand::CopyText(text) => Some(text.clone()),
+        _ => None,
+    })
+}
+
+#[test]
+fn a_state_that_is_copied_and_pasted_is_the_same() {
+    let mut first = harness_of(app_with_techniques());
+    change(first.state_mut());
+    first.run_steps(3);
+    let wanted = state_of(&first);
+    // In one frame, whose output is the last one.
+    first.input_mut().events.push(egui::Event::Key {
+        key: Key::C,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::COMMAND | Modifiers::SHIFT,
+    });
+    first.step();
+    let text = copied(&first).expect("it is copied");
+    assert_eq!(text.lines().count(), 1);
+    let notices: Vec<_> = first.state().shell.notices.texts().collect();
+    assert_eq!(
+        notices,
+        ["Copied the state; Ctrl V in another window opens it"]
+    );
+
+    let mut second = harness_of(app());
+    second.event(egui::Event::Paste(text.clone()));
+    second.run_steps(2);
+    wait(&mut second, |app| !app.is_loading());
+    second.run_steps(2);
+    assert_eq!(state_of(&second), wanted);
+    assert_eq!(second.state().shell.notices.texts().count(), 0);
+    assert!(
+        second.state().shell.recent.paths().is_empty(),
+        "it is no file"
+    );
+
+    // What is wrong is told with its field, and the window stays as it is.
+    for (from, to, told) in [
+        (
+            "\"max_bounces\":9",
+            "\"max_bounces\":-9",
+            "pasted text: max_bounces: ",
+        ),
+        ("{", "", "pasted text: "),
+        (
+            "\"scene\":\"furnace\"",
+            "\"scene\":\"gone.glb\"",
+            "pasted text: scene: there is no file",
+        ),
+    ] {
+        second.event(egui::Event::Paste(text.replacen(from, to, 1)));
+        second.run_steps(2);
+        let newest = second
+            .state()
+            .shell
+            .notices
+            .texts()
+            .last()
+            .map(str::to_owned);
+        let newest = newest.expect("it is told");
+        assert!(newest.starts_with(told), "{newest}");
+        assert!(!second.state().is_loading());
+        second.key_press(Key::Escape);
+        second.run_steps(2);
+    }
+    assert_eq!(state_of(&second), wanted);
+
+    // What is pasted into a field is typed there.
+    second.key_press(Key::F2);
+    second.run_steps(2);
+    second.get_by_label("Scene path").focus();
+    second.run_steps(2);
+    second.event(egui::Event::Paste("furnace".to_owned()));
+    second.run_steps(2);
+    assert_eq!(second.state().shell.fields.scene, "furnace");
+    assert_eq!(second.state().shell.notices.texts().count(), 0);
 }
 
 #[test]

@@ -111,7 +111,8 @@ pub(crate) struct ViewArguments {
     #[arg(required_unless_present = "state")]
     pub(crate) scene: Option<String>,
     /// Show what was seen when a state was saved (Ctrl Shift S in the window): its scene, camera,
-    /// method, view, exposure, environment and edits; or that of an .exr saved in the window
+    /// method, view, exposure, environment and edits; or that of an .exr saved in the window. With
+    /// `-` the state is read from standard input, as Ctrl Shift C in the window copies it
     #[arg(long, value_name = "FILE", conflicts_with_all = IN_STATE)]
     pub(crate) state: Option<PathBuf>,
     #[command(flatten)]

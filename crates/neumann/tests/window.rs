@@ -27,7 +27,7 @@ impl Drop for Guard {
 
 /// A display of its own, found by Xvfb.
 struct Display {
-    _server: Guard,
+    server: Guard,
     name: String,
     folder: PathBuf,
 }
@@ -62,7 +62,7 @@ impl Display {
         let folder = std::env::temp_dir().join(folder);
         std::fs::create_dir_all(&folder).ok()?;
         Some(Self {
-            _server: Guard(server),
+            server: Guard(server),
             name,
             folder,
         })
@@ -123,6 +123,7 @@ fn n_red(pixels: &[[f32; 3]]) -> usize {
 struct Opened {
     display: Display,
     program: Guard,
+    window: String,
 }
 
 /// `None` if a tool is missing here.
@@ -169,12 +170,32 @@ fn open(scene: &str) -> Option<Opened> {
         found.lines().next().map(str::to_owned)
     });
     display.tool("xdotool", &["windowfocus", &window]);
-    Some(Opened { display, program })
+    Some(Opened {
+        display,
+        program,
+        window,
+    })
 }
 
 impl Opened {
     fn press(&self, keys: &str) {
         self.display.tool("xdotool", &["key", keys]);
+    }
+
+    /// Waits for the end; yields the exit code and what stands on stderr.
+    fn ended(&mut self) -> (Option<i32>, String) {
+        let program = &mut self.program.0;
+        let status = self
+            .display
+            .wait_for("end", |_| program.try_wait().unwrap());
+        let mut text = String::new();
+        let mut stderr = program.stderr.take().unwrap();
+        stderr.read_to_string(&mut text).unwrap();
+        // Of the graphics driver, where nobody has logged in.
+        let lines = text
+            .lines()
+            .filter(|line| !line.contains("XDG_RUNTIME_DIR"));
+        (status.code(), lines.collect::<Vec<_>>().join("\n"))
     }
 
     /// Closes it by its key; it ends well.
@@ -251,4 +272,42 @@ fn digits_are_places_on_every_keyboard() {
         }
     }
     opened.close();
+}
+
+const GONE: &str =
+    "error: the window is gone: its display has ended, or another program has closed it";
+
+/// However the window is taken away, the program says so once, and keeps what it was to keep.
+#[test]
+fn a_window_that_is_taken_away_ends_the_program_with_one_sentence() {
+    for how in ["windowkill", "windowclose", "server"] {
+        let Some(mut opened) = open("furnace") else {
+            return;
+        };
+        let folder = opened.display.folder.clone();
+        // There is a state as soon as there is a scene.
+        let kept = opened.display.wait_for("state", |_| {
+            opened.press("ctrl+shift+s");
+            let files = std::fs::read_dir(&folder).unwrap();
+            let mut files = files.map(|file| file.unwrap().path());
+            files.find(|path| path.extension().is_some_and(|e| e == "json"))
+        });
+        opened.press("ctrl+plus");
+        let scale = folder.join("neumann").join("text-scale.txt");
+        opened
+            .display
+            .wait_for("size of texts", |_| scale.exists().then_some(()));
+        match how {
+            "server" => opened.display.server.0.kill().unwrap(),
+            _ => {
+                let window = opened.window.clone();
+                opened.display.tool("xdotool", &[how, &window]);
+            }
+        }
+        let (code, text) = opened.ended();
+        assert_eq!((code, text.as_str()), (Some(1), GONE), "{how}");
+        State::read(&kept).unwrap();
+        assert_eq!(std::fs::read_to_string(scale).unwrap(), "1.1\n", "{how}");
+        std::fs::remove_dir_all(folder).unwrap();
+    }
 }

@@ -48,7 +48,7 @@ pub static METHOD: Method = Method {
 /// How techniques are combined.
 pub(super) const HEURISTIC: Parameter = Parameter {
     name: "heuristic",
-    title: "Combine by",
+    title: "MIS heuristic",
     unit: "",
     about: "How techniques are weighed: by density, by its square, or all alike, which shows why \
             the others matter.",

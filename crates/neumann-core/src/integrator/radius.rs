@@ -34,7 +34,7 @@ impl Radius {
     /// What it is measured in.
     pub const UNIT: Parameter = Parameter {
         name: "radius-unit",
-        title: "Radius in",
+        title: "Radius unit",
         unit: "",
         about: "Whether the radius is a share of the scene's radius or metres.",
         kind: ParameterKind::Choice {

@@ -48,28 +48,55 @@ impl State {
     /// # Errors
     /// If it cannot be read, a field is not what it should be, or the scene's file is not there.
     pub fn read(path: &Path) -> Result<(Self, Vec<String>), StateError> {
+        let is_picture = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+        let folder = path.parent().unwrap_or(Path::new(""));
+        if is_picture {
+            let state = Self::of_picture(path)?.placed(path, folder)?;
+            return Ok((state, Vec::new()));
+        }
+        Self::from_text(&Self::text_of(path)?, path, folder)
+    }
+
+    /// Reads a state from what is no file, and what is odd about it; `name` is what errors call it.
+    /// Paths in it are taken from the current folder.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_from(reader: impl Read, name: &str) -> Result<(Self, Vec<String>), StateError> {
+        let name = Path::new(name);
+        Self::from_text(&limited_text(reader, name)?, name, Path::new(""))
+    }
+
+    fn from_text(
+        text: &str,
+        path: &Path,
+        folder: &Path,
+    ) -> Result<(Self, Vec<String>), StateError> {
+        let (state, mut warnings) = Self::parse(text).map_err(|(field, what)| StateError {
+            path: path.to_owned(),
+            field,
+            what,
+        })?;
+        let state = state.placed(path, folder)?;
+        for warning in &mut warnings {
+            *warning = format!("{}: {warning}", path.display());
+        }
+        Ok((state, warnings))
+    }
+
+    /// With its paths taken from `folder`, if what it asks for is there.
+    fn placed(mut self, path: &Path, folder: &Path) -> Result<Self, StateError> {
         let error = |field: &str, what: String| StateError {
             path: path.to_owned(),
             field: field.to_owned(),
             what,
         };
-        let is_picture = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-        let (mut state, mut warnings) = if is_picture {
-            (Self::of_picture(path)?, Vec::new())
-        } else {
-            let text = Self::text_of(path)?;
-            Self::parse(&text).map_err(|(field, what)| error(&field, what))?
-        };
-        let folder = path.parent().unwrap_or(Path::new(""));
-        state.resolve(folder);
-        state.check_scene().map_err(|what| error("scene", what))?;
-        state.check_memory().map_err(|what| error("size", what))?;
-        for warning in &mut warnings {
-            *warning = format!("{}: {warning}", path.display());
-        }
-        Ok((state, warnings))
+        self.resolve(folder);
+        self.check_scene().map_err(|what| error("scene", what))?;
+        self.check_memory().map_err(|what| error("size", what))?;
+        Ok(self)
     }
 
     /// The state in the header of a picture.
@@ -94,23 +121,13 @@ impl State {
 
     /// The text of a state file.
     fn text_of(path: &Path) -> Result<String, StateError> {
-        let error = |what: String| StateError {
-            path: path.to_owned(),
-            field: String::new(),
-            what,
-        };
-        let mut text = String::new();
-        let mut read = || {
-            let mut limited = File::open(path)?.take(MAX_BYTES + 1);
-            limited.read_to_string(&mut text)
-        };
-        match read() {
-            Err(cause) => Err(error(format!("cannot read: {cause}"))),
-            Ok(n) if n as u64 > MAX_BYTES => {
-                let what = "too large for a state file; Ctrl Shift S in the window writes one";
-                Err(error(what.to_owned()))
-            }
-            Ok(_) => Ok(text),
+        match File::open(path) {
+            Ok(file) => limited_text(file, path),
+            Err(cause) => Err(StateError {
+                path: path.to_owned(),
+                field: String::new(),
+                what: format!("cannot read: {cause}"),
+            }),
         }
     }
 
@@ -130,7 +147,8 @@ impl State {
             let remedy = if cause.is_data() {
                 "mend it, or leave it out"
             } else {
-                "not the JSON of a state; Ctrl Shift S in the window writes one"
+                "not the JSON of a state; Ctrl Shift S in the window writes one, Ctrl Shift C \
+                 copies one"
             };
             (field, format!("{cause}; {remedy}"))
         })?;
@@ -207,6 +225,24 @@ impl State {
             "there is no file {}; put the scene there, or name another one",
             self.scene
         ))
+    }
+}
+
+/// All that there is to read, as the text of a state.
+fn limited_text(reader: impl Read, path: &Path) -> Result<String, StateError> {
+    let error = |what: String| StateError {
+        path: path.to_owned(),
+        field: String::new(),
+        what,
+    };
+    let mut text = String::new();
+    match reader.take(MAX_BYTES + 1).read_to_string(&mut text) {
+        Err(cause) => Err(error(format!("cannot read: {cause}"))),
+        Ok(n) if n as u64 > MAX_BYTES => {
+            let what = "too large for a state file; Ctrl Shift S in the window writes one";
+            Err(error(what.to_owned()))
+        }
+        Ok(_) => Ok(text),
     }
 }
 

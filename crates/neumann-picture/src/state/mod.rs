@@ -246,6 +246,19 @@ pub struct LevelEdit {
 }
 
 impl State {
+    /// The files that it needs: the scene's, and that of an environment map.
+    #[must_use]
+    pub fn files(&self) -> Vec<String> {
+        let scene = builtin(&self.scene).is_none().then(|| self.scene.clone());
+        let sky = &self.environment.sky;
+        let is_map =
+            sky != EnvironmentState::OWN && matches!(SkyChoice::from_word(sky), SkyChoice::File(_));
+        scene
+            .into_iter()
+            .chain(is_map.then(|| sky.clone()))
+            .collect()
+    }
+
     /// What determines a render, with the usual looks. `scene` is a built-in scene's name, or a
     /// path, which is made absolute.
     #[must_use]

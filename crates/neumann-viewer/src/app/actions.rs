@@ -64,6 +64,9 @@ impl App {
             }
             Action::Copy => save::copy(ctx, &self.session, &self.viewing, &mut self.shell),
             Action::CopyCommand => self.copy_command(ctx),
+            Action::CopyState => {
+                save::copy_state(ctx, &self.session, &self.viewing, &mut self.shell);
+            }
             Action::Panels if self.shell.is_presenting => self.shell.is_presenting = false,
             Action::Panels => self.shell.is_bare = !self.shell.is_bare,
             Action::Panel(i) => self.shell.show_page(Page::ALL[i.min(Page::ALL.len() - 1)]),
@@ -71,8 +74,10 @@ impl App {
             Action::TextScale(tenths) => {
                 self.shell.text_scale.step(tenths);
                 let percent = 100.0 * self.shell.text_scale.factor();
-                let text = format!("Text at {percent:.0} % of its usual size");
-                self.shell.notices.remark_instead(ctx, &["Text at "], text);
+                let text = format!("Text size {percent:.0} %");
+                self.shell
+                    .notices
+                    .remark_instead(ctx, &["Text size "], text);
             }
             Action::Controls => match ctx.memory(|m| m.focused()) {
                 Some(id) => ctx.memory_mut(|m| m.surrender_focus(id)),
@@ -252,8 +257,7 @@ impl App {
                     viewing.is_wiping = false;
                 } else {
                     self.shell.page = Page::Display;
-                    let text =
-                        "No reference to hold the picture against; load one on the Display page";
+                    let text = "No reference to compare with; load one on the Display page";
                     self.shell.notices.failure(text);
                 }
             }

@@ -146,6 +146,7 @@ impl App {
         }
         self.take_arrivals(&ctx);
         self.take_dropped_files(&ctx);
+        self.take_pasted(&ctx);
         if self.is_loading() {
             ctx.request_repaint_after(PROGRESS_PERIOD);
         }

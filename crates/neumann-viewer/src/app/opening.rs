@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use egui::Context;
+use egui::{Context, Event};
 use neumann_core::render::{StopRule, hidden_by_backs};
 use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::load::{EnvironmentFile, LoadOptions};
 use neumann_core::scene::{Backs, Scene, SkyChoice};
-use neumann_picture::state::State;
+use neumann_picture::state::{State, StateError};
 
 use super::{App, Loading};
 use crate::compared::Reference;
@@ -44,15 +44,42 @@ impl App {
             self.open_scene(source);
             return;
         }
-        match State::read(Path::new(&source)) {
+        if self.open_read_state(State::read(Path::new(&source))) {
+            self.shell.recent.add(&source);
+        }
+    }
+
+    /// Takes up a state that was read, with what is odd about it; says why if it was not. True if
+    /// it was.
+    fn open_read_state(&mut self, read: Result<(State, Vec<String>), StateError>) -> bool {
+        match read {
             Ok((state, warnings)) => {
                 for warning in warnings {
                     self.shell.notices.failure(warning);
                 }
-                self.shell.recent.add(&source);
                 self.open_state(Box::new(state));
+                true
             }
-            Err(error) => self.shell.notices.failure(error.to_string()),
+            Err(error) => {
+                self.shell.notices.failure(error.to_string());
+                false
+            }
+        }
+    }
+
+    /// Takes up a state that was pasted as text, unless a text field takes it.
+    pub(super) fn take_pasted(&mut self, ctx: &Context) {
+        if ctx.text_edit_focused() {
+            return;
+        }
+        let pasted = ctx.input(|i| {
+            i.events.iter().rev().find_map(|event| match event {
+                Event::Paste(text) => Some(text.clone()),
+                _ => None,
+            })
+        });
+        if let Some(text) = pasted {
+            self.open_read_state(State::read_from(text.as_bytes(), "pasted text"));
         }
     }
 
@@ -265,6 +292,7 @@ impl App {
             Offer::RemoveSky => {
                 panels::remove_sky(&mut self.session.setup, &mut self.shell.notices);
             }
+            Offer::ShowFolder(path) => self.shell.background.show_folder(path),
             Offer::PutSkyBack(former) => self.session.setup.put_sky_back(&former),
             Offer::TakeAsReference(path, former) => {
                 if let Some(former) = former {
@@ -302,7 +330,12 @@ impl App {
                 Arrival::Chosen(wanted, path) => self.open_chosen(wanted, path),
                 Arrival::NoDialog(wanted) => self.list_files(wanted),
                 Arrival::Dropped(wanted, path) => self.take_dropped_picture(wanted, path),
-                Arrival::Saved(Ok(text)) => self.shell.notices.remark(ctx, text),
+                Arrival::Saved(Ok(path)) => self.shell.notices.saved(ctx, path),
+                Arrival::NoOpener(path) => {
+                    ctx.copy_text(path.display().to_string());
+                    let text = "Copied the path, as no program here shows folders";
+                    self.shell.notices.remark(ctx, text);
+                }
                 Arrival::Environment(_, Err(error)) => {
                     // Another map that comes later is no part of the opening.
                     self.awaits_map = false;

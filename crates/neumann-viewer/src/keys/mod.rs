@@ -88,6 +88,8 @@ pub enum Action {
     Copy,
     /// Copy the command that renders the same.
     CopyCommand,
+    /// Copy all that has been chosen, as text.
+    CopyState,
     /// Show or hide the panels.
     Panels,
     /// Show a panel.

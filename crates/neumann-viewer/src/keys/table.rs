@@ -61,7 +61,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         SERIES,
         "Shift 0 – 9",
-        "the sum up to it",
+        "partial sum up to that term",
         &[
             on(SHIFT, Key::Num0, Action::Upto(0)),
             on(SHIFT, Key::Num1, Action::Upto(1)),
@@ -78,13 +78,13 @@ pub static HELP: &[HelpLine] = &[
     line(
         SERIES,
         "L",
-        "everything",
+        "the whole sum",
         &[on(NONE, Key::L, Action::Total)],
     ),
     line(
         SERIES,
         "← →",
-        "step along the row",
+        "previous, next in the row",
         &[
             on(NONE, Key::ArrowLeft, Action::Step(-1)),
             on(NONE, Key::ArrowRight, Action::Step(1)),
@@ -93,7 +93,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         SERIES,
         "↑ ↓",
-        "terms, sums",
+        "row of terms, of sums",
         &[
             on(NONE, Key::ArrowUp, Action::Row(true)),
             on(NONE, Key::ArrowDown, Action::Row(false)),
@@ -102,7 +102,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         RENDERING,
         "[ ]",
-        "method before, after",
+        "previous, next method",
         &[
             on(NONE, Key::OpenBracket, Action::Method(-1)),
             on(NONE, Key::CloseBracket, Action::Method(1)),
@@ -111,7 +111,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         RENDERING,
         "M  Shift M",
-        "method after, before",
+        "next, previous method",
         &[
             on(NONE, Key::M, Action::Method(1)),
             on(SHIFT, Key::M, Action::Method(-1)),
@@ -149,18 +149,18 @@ pub static HELP: &[HelpLine] = &[
         "show the material there (Shift I)",
         &[on(SHIFT, Key::I, Action::Pick)],
     ),
-    line(CAMERA, "W A S D", "fly; PgUp PgDn up and down", &[]),
-    line(CAMERA, "wheel with them", "fly faster, slower", &[]),
+    line(CAMERA, "W A S D", "fly; PgUp, PgDn: up, down", &[]),
+    line(CAMERA, "wheel in flight", "fly faster, slower", &[]),
     line(
         CAMERA,
         "F",
-        "frame what the scene shows",
+        "frame the whole scene",
         &[on(NONE, Key::F, Action::FrameAll)],
     ),
     line(
         CAMERA,
         "Home",
-        "the file's own camera",
+        "reset the camera",
         &[on(NONE, Key::Home, Action::ResetCamera)],
     ),
     line(
@@ -237,7 +237,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         DISPLAY,
         "+ −  Z",
-        "magnify; whole picture",
+        "magnify; fit the picture",
         &[
             on(NONE, Key::Plus, Action::Zoom(1)),
             on(SHIFT, Key::Plus, Action::Zoom(1)),
@@ -249,7 +249,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         DISPLAY,
         "Shift Z",
-        "film as large as the window",
+        "fit the film to the window",
         &[on(SHIFT, Key::Z, Action::FitFilm)],
     ),
     line(
@@ -270,7 +270,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         DISPLAY,
         "I",
-        "values of the pixel",
+        "pixel values",
         &[on(NONE, Key::I, Action::Probe)],
     ),
     line(
@@ -318,9 +318,16 @@ pub static HELP: &[HelpLine] = &[
     line(
         FILES,
         "Ctrl Shift L",
-        "copy as a command line",
+        "copy as a command",
         &[on(CTRL.plus(SHIFT), Key::L, Action::CopyCommand)],
     ),
+    line(
+        FILES,
+        "Ctrl Shift C",
+        "copy the state",
+        &[on(CTRL.plus(SHIFT), Key::C, Action::CopyState)],
+    ),
+    line(FILES, "Ctrl V", "paste a state", &[]),
     line(
         WINDOW,
         "Tab",
@@ -341,25 +348,25 @@ pub static HELP: &[HelpLine] = &[
     line(
         WINDOW,
         "F5",
-        "present: large, without panels",
+        "present without panels",
         &[on(NONE, Key::F5, Action::Present)],
     ),
     line(
         WINDOW,
         "F6",
-        "to the panel and back",
+        "keyboard to the panel, back",
         &[on(NONE, Key::F6, Action::Controls)],
     ),
     line(
         WINDOW,
         "Ctrl T",
-        "light or dark",
+        "light or dark theme",
         &[on(CTRL, Key::T, Action::Theme)],
     ),
     line(
         WINDOW,
         "Ctrl +  −  0",
-        "text larger, smaller, as usual",
+        "larger, smaller, usual text",
         &[
             on(CTRL, Key::Plus, Action::TextScale(1)),
             on(CTRL.plus(SHIFT), Key::Plus, Action::TextScale(1)),
@@ -371,13 +378,13 @@ pub static HELP: &[HelpLine] = &[
     line(
         WINDOW,
         "F11",
-        "fill the screen",
+        "full screen",
         &[on(NONE, Key::F11, Action::Fullscreen)],
     ),
     line(
         WINDOW,
         "?",
-        "this page",
+        "this help",
         &[
             on(NONE, Key::Questionmark, Action::Help),
             on(SHIFT, Key::Questionmark, Action::Help),
@@ -386,7 +393,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         WINDOW,
         "Esc",
-        "close what lies over the picture",
+        "close or go back",
         &[on(NONE, Key::Escape, Action::Escape)],
     ),
     line(WINDOW, "Ctrl Q", "quit", &[on(CTRL, Key::Q, Action::Quit)]),

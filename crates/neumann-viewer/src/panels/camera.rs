@@ -8,8 +8,7 @@ use crate::setup::{FilmSize, Setup, name_or};
 use crate::shell::Shell;
 use crate::theme::GRID;
 use crate::widgets::{
-    Slider, button, explained_choice, fact, heading, paragraph, row_button, rule, significant,
-    text_field,
+    Slider, button, choice_row, fact, heading, paragraph, row_button, rule, significant, text_field,
 };
 
 pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
@@ -36,11 +35,13 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     let mut is_changed = false;
     ui.add_space(GRID / 2.0);
     ui.horizontal(|ui| {
-        if button(ui, "Frame all").clicked() {
+        let about = "Moves the camera so that it sees the whole scene. (F)";
+        if button(ui, "Frame all").on_hover_text(about).clicked() {
             control.frame_all(aspect);
             is_changed = true;
         }
-        if button(ui, "Reset").clicked() {
+        let about = "Goes back to the file's own camera. (Home)";
+        if button(ui, "Reset camera").on_hover_text(about).clicked() {
             control.reset();
             is_changed = true;
         }
@@ -76,7 +77,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
         .about("Diameter of the opening. Off is a pinhole, where everything is sharp.");
     let mut is_lens_changed = opening.show(ui, &mut aperture).changed();
     let mut focus = f64::from(lens.focus_distance);
-    let distance = Slider::new("Focus", radius * 0.01, radius * 10.0)
+    let distance = Slider::new("Focus distance", radius * 0.01, radius * 10.0)
         .unit("m")
         .logarithmic(true)
         .about("Distance of the plane that is sharp.");
@@ -87,7 +88,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
         control.set_lens(lens);
         is_changed = true;
     }
-    paragraph(ui, "Ctrl and a click on the picture focus the lens there.");
+    paragraph(ui, "Ctrl click on the picture focuses the lens there.");
     setup.is_changed |= is_changed;
     film(ui, session, shell);
 }
@@ -100,7 +101,9 @@ fn cameras(ui: &mut Ui, setup: &mut Setup) -> usize {
     if cameras.len() > 1 {
         for (i, camera) in cameras.iter().enumerate() {
             let name = name_or(&camera.name, "Camera", i);
-            if row_button(ui, &name, "", i == open.camera).clicked() {
+            let about = "Looks through this camera of the file.";
+            let row = row_button(ui, &name, "", i == open.camera);
+            if row.on_hover_text(about).clicked() {
                 chosen = Some(i);
             }
         }
@@ -158,20 +161,21 @@ fn film(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     heading(ui, "Film");
     let setup = &mut session.setup;
     let (width, height) = setup.size;
-    fact(ui, "Size", &format!("{width} × {height}"));
+    fact(ui, "Resolution", &format!("{width} × {height} pixels"));
     let chosen = match setup.film_size {
         FilmSize::Window => 0,
         FilmSize::Locked => 1,
         FilmSize::Fixed(..) => 2,
     };
     let before = setup.film_size;
-    match explained_choice(
-        ui,
-        "Size follows",
-        "What decides how many pixels the film has.",
-        &["window", "nothing", "numbers"],
-        chosen,
-    ) {
+    const SIZES: [&str; 3] = [
+        "A film that is begun has as many pixels as the window has room for.",
+        "The size stays as it is now, whatever begins anew.",
+        "Width and height are chosen below.",
+    ];
+    let about = |i: usize| SIZES[i].to_owned();
+    let names = ["window", "locked", "custom"];
+    match choice_row(ui, "Film size", &names, about, chosen) {
         Some(0) => setup.film_size = FilmSize::Window,
         Some(1) => setup.film_size = FilmSize::Locked,
         Some(_) => setup.film_size = FilmSize::Fixed(width.max(1), height.max(1)),
@@ -182,12 +186,13 @@ fn film(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
             ui,
             "A render takes the size of the window when it begins. Later the picture is scaled.",
         ),
-        FilmSize::Locked => paragraph(ui, "The size stays as it is, whatever begins anew."),
+        FilmSize::Locked => paragraph(ui, "The size stays as it is now."),
         FilmSize::Fixed(width, height) => {
             for (name, side) in [("Width", width), ("Height", height)] {
                 let mut number = *side as f64;
                 Slider::new(name, 16.0, 8192.0)
                     .unit("pixels")
+                    .about("Pixels of the film that way.")
                     .step(1.0)
                     .logarithmic(true)
                     .show(ui, &mut number);

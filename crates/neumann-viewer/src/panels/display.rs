@@ -28,17 +28,22 @@ pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut Viewing, shell:
     let viewing = &mut viewing.settings;
     heading(ui, "Exposure and tone");
     let mut ev = f64::from(viewing.exposure_ev);
-    let slider = Slider::new("Exposure", -16.0, 16.0).unit("EV").default(0.0);
+    let slider = Slider::new("Exposure", -16.0, 16.0)
+        .unit("EV")
+        .default(0.0)
+        .about("Radiance is multiplied by 2 to this power. (E, Shift E)");
     if slider.show(ui, &mut ev).changed() {
         viewing.exposure_ev = ev as f32;
         viewing.is_auto = false;
     }
-    if switch(ui, "Automatic", &mut viewing.is_auto).changed() && viewing.is_auto {
+    let about = "The exposure follows the picture. (Ctrl E)";
+    let response = switch(ui, "Automatic exposure", &mut viewing.is_auto).on_hover_text(about);
+    if response.changed() && viewing.is_auto {
         viewing.exposure_ev = session.picture.auto_exposure(viewing.part);
     }
     let names = ToneCurve::ALL.map(ToneCurve::name);
     let chosen = ToneCurve::ALL.iter().position(|t| *t == viewing.tone);
-    if let Some(i) = choice_row(ui, "Tone curve", &names, chosen.unwrap_or(0)) {
+    if let Some(i) = choice_row(ui, "Tone curve", &names, about_tone, chosen.unwrap_or(0)) {
         viewing.tone = ToneCurve::ALL[i];
     }
     if is_picture {
@@ -46,15 +51,20 @@ pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut Viewing, shell:
     }
     rule(ui);
     heading(ui, "False colour");
-    switch(ui, "Luminance as colour", &mut viewing.is_false_colour);
+    let about = "Each luminance has a colour; the legend says which. (C)";
+    switch(ui, "Luminance as colour", &mut viewing.is_false_colour).on_hover_text(about);
     if viewing.is_false_colour {
         let names = ColourMap::ALL.map(ColourMap::name);
         let chosen = ColourMap::ALL.iter().position(|m| *m == viewing.map);
-        if let Some(i) = choice_row(ui, "Colours", &names, chosen.unwrap_or(0)) {
+        let about = |i: usize| format!("Low to high luminance: {}.", ColourMap::ALL[i].about());
+        if let Some(i) = choice_row(ui, "Colour map", &names, about, chosen.unwrap_or(0)) {
             viewing.map = ColourMap::ALL[i];
         }
         let mut stops = f64::from(viewing.map_stops);
-        let slider = Slider::new("Span", 2.0, 24.0).unit("stops").default(10.0);
+        let slider = Slider::new("Luminance range", 2.0, 24.0)
+            .unit("stops")
+            .default(10.0)
+            .about("Range of luminances, below the exposure's white, that has colours.");
         slider.show(ui, &mut stops);
         viewing.map_stops = stops as f32;
     }
@@ -62,21 +72,26 @@ pub(super) fn show(ui: &mut Ui, session: &Session, viewing: &mut Viewing, shell:
     heading(ui, "Magnify");
     let size = viewing
         .zoom
-        .map_or_else(|| "whole picture".to_owned(), |z| format!("{z:.2} ×"));
-    fact(ui, "Pixels", &size);
+        .map_or_else(|| "fits the window".to_owned(), |z| format!("{z:.2} ×"));
+    fact(ui, "Magnification", &size);
     ui.horizontal(|ui| {
-        for (name, action) in [
-            ("−", Action::Zoom(-1)),
-            ("+", Action::Zoom(1)),
-            ("Whole", Action::ZoomFit),
+        for (name, about, action) in [
+            ("−", "Shows the pixels half as large. (−)", Action::Zoom(-1)),
+            ("+", "Shows the pixels twice as large. (+)", Action::Zoom(1)),
+            (
+                "Fit picture",
+                "Shows the whole picture. (Z)",
+                Action::ZoomFit,
+            ),
         ] {
-            if button(ui, name).clicked() {
+            if button(ui, name).on_hover_text(about).clicked() {
                 shell.act(ui.ctx(), action);
             }
         }
     });
-    hint(ui, "or the wheel with Ctrl; right drag moves");
-    switch(ui, "Values of the pixel", &mut viewing.is_probing);
+    hint(ui, "Ctrl wheel magnifies, right drag moves");
+    let about = "Shows what the pixel under the pointer holds. (I)";
+    switch(ui, "Pixel values", &mut viewing.is_probing).on_hover_text(about);
     compare(ui, session, viewing, shell);
     save(ui, shell);
 }
@@ -86,7 +101,11 @@ fn histogram(ui: &mut Ui, session: &Session, viewing: &ViewSettings, shell: &mut
     let histogram = &mut shell.histogram;
     let names = ["luminance", "R G B"];
     let chosen = usize::from(histogram.channels == Channels::Rgb);
-    if let Some(i) = choice_row(ui, "Histogram", &names, chosen) {
+    let about = |i: usize| {
+        let of = ["the luminance of pixels", "their red, green and blue"][i];
+        format!("How many pixels there are of each brightness, by {of}.")
+    };
+    if let Some(i) = choice_row(ui, "Histogram", &names, about, chosen) {
         histogram.channels = [Channels::Luminance, Channels::Rgb][i];
     }
     ui.add_space(GRID / 2.0);
@@ -109,6 +128,18 @@ fn choose_view(ui: &mut Ui, views: &Views, shell: &mut Shell) {
     rule(ui);
 }
 
+/// What a tone curve does, in a sentence.
+fn about_tone(index: usize) -> String {
+    let about = match ToneCurve::ALL[index] {
+        ToneCurve::None => "No curve: what is brighter than white is cut off.",
+        ToneCurve::Reinhard => "x / (1 + x) in each channel: nothing is cut off, all is darker.",
+        ToneCurve::Aces => "The film look of the Academy's reference transform.",
+        ToneCurve::Agx => "Film-like: bright colours fade to white.",
+        ToneCurve::Neutral => "True colours up to 0.8; brighter ones are compressed.",
+    };
+    about.to_owned()
+}
+
 fn compare(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &mut Shell) {
     rule(ui);
     heading(ui, "Compare");
@@ -122,10 +153,12 @@ fn compare(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &m
         fact(ui, name, &text);
     }
     ui.horizontal(|ui| {
-        if button(ui, "Hold as A").clicked() {
+        let about = "Keeps the picture as it is now, to compare with. (H)";
+        if button(ui, "Hold as A").on_hover_text(about).clicked() {
             shell.act(ui.ctx(), Action::HoldA);
         }
-        if button(ui, "Hold as B").clicked() {
+        let about = "Keeps the picture as it is now, in place of the live one. (Shift H)";
+        if button(ui, "Hold as B").on_hover_text(about).clicked() {
             shell.act(ui.ctx(), Action::HoldB);
         }
     });
@@ -133,18 +166,23 @@ fn compare(ui: &mut Ui, session: &Session, viewing: &mut ViewSettings, shell: &m
     let mut is_wiping = viewing.is_wiping;
     let mut is_less = viewing.difference == Some(Against::Held);
     ui.add_enabled_ui(is_held, |ui| {
-        if switch(ui, "Wipe A | B", &mut is_wiping).changed() {
+        let about = "Shows A left of a line that can be dragged, and B right of it. (X)";
+        let wipe = switch(ui, "Wipe A | B", &mut is_wiping).on_hover_text(about);
+        if wipe.changed() {
             shell.act(ui.ctx(), Action::Wipe);
         }
-        if switch(ui, "A − B", &mut is_less).changed() {
+        let about = "Shows A less B, in colours: where A is brighter, and where darker.";
+        let less = switch(ui, "Difference A − B", &mut is_less).on_hover_text(about);
+        if less.changed() {
             viewing.difference = is_less.then_some(Against::Held);
             viewing.is_wiping = false;
         }
     });
     if viewing.is_wiping {
         let mut place = f64::from(viewing.wipe);
-        Slider::new("Place of the wipe", 0.0, 1.0)
+        Slider::new("Wipe position", 0.0, 1.0)
             .default(0.5)
+            .about("Where the line stands: 0 is the left edge of the picture, 1 the right one.")
             .show(ui, &mut place);
         viewing.wipe = place as f32;
     }
@@ -173,14 +211,17 @@ fn reference(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: 
             "No reference; load an EXR to see the difference from it.",
         ),
     }
-    let is_entered = path_field(ui, "Path of a reference", &mut shell.fields.reference);
+    let is_entered = path_field(ui, "Reference path", &mut shell.fields.reference);
     ui.horizontal(|ui| {
-        let is_pressed = button(ui, "Load").clicked() && !shell.fields.reference.trim().is_empty();
+        let about = "Takes the .exr file at this path for the reference.";
+        let load = button(ui, "Load reference").on_hover_text(about);
+        let is_pressed = load.clicked() && !shell.fields.reference.trim().is_empty();
         if is_pressed || is_entered {
             let path = PathBuf::from(shell.fields.reference.trim());
             shell.background.open_reference(path);
         }
-        if button(ui, "Browse …").clicked() {
+        let about = "Chooses a reference among the files.";
+        if button(ui, "Browse …").on_hover_text(about).clicked() {
             shell.background.choose(Wanted::Reference);
         }
     });
@@ -190,14 +231,18 @@ fn reference(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: 
     {
         let is_held = picture.held[i].is_some();
         ui.add_enabled_ui(is_held, |ui| {
-            if button(ui, name).clicked() {
+            let about = "Compares with what is held, as with a reference from a file.";
+            if button(ui, name).on_hover_text(about).clicked() {
                 shell.refer_to_held(i);
             }
         });
     }
     let mut is_difference = viewing.difference == Some(Against::Reference);
     ui.add_enabled_ui(picture.reference.is_some(), |ui| {
-        if switch(ui, "Difference", &mut is_difference).changed() {
+        let about = "Shows the picture less the reference, in colours. (G)";
+        let name = "Difference from reference";
+        let response = switch(ui, name, &mut is_difference).on_hover_text(about);
+        if response.changed() {
             viewing.difference = is_difference.then_some(Against::Reference);
             viewing.is_wiping = false;
         }
@@ -206,13 +251,33 @@ fn reference(ui: &mut Ui, picture: &Picture, viewing: &mut ViewSettings, shell: 
 
 fn save(ui: &mut Ui, shell: &mut Shell) {
     rule(ui);
-    heading(ui, "Save what is shown");
+    heading(ui, "Save and copy");
     ui.horizontal(|ui| {
-        if button(ui, "Save").clicked() {
+        let about = "Writes what is shown to a PNG file in the current folder. (Ctrl S)";
+        if button(ui, "Save PNG").on_hover_text(about).clicked() {
             shell.act(ui.ctx(), Action::SavePng);
         }
-        if button(ui, "Save as …").clicked() {
+        let about = "Writes what is shown to a PNG file of a name to be chosen.";
+        if button(ui, "Save as …").on_hover_text(about).clicked() {
             shell.save_as();
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        for (name, about, action) in [
+            (
+                "Copy state",
+                "Copies all that is chosen as text, to paste elsewhere. (Ctrl Shift C)",
+                Action::CopyState,
+            ),
+            (
+                "Copy command",
+                "Copies the command that renders the same. (Ctrl Shift L)",
+                Action::CopyCommand,
+            ),
+        ] {
+            if button(ui, name).on_hover_text(about).clicked() {
+                shell.act(ui.ctx(), action);
+            }
         }
     });
 }

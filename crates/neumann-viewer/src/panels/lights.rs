@@ -53,7 +53,7 @@ pub(crate) fn remove_sky(setup: &mut Setup, notices: &mut Notices) {
     } else {
         "The sky is removed"
     };
-    notices.offer(text, "Put back", Offer::PutSkyBack(Box::new(former)));
+    notices.offer(text, "Restore sky", Offer::PutSkyBack(Box::new(former)));
 }
 
 fn lights(ui: &mut Ui, appearance: &mut Appearance) -> bool {
@@ -101,10 +101,15 @@ fn lights(ui: &mut Ui, appearance: &mut Appearance) -> bool {
 
 /// A light: on or off, brightness, colour.
 fn light_row(ui: &mut Ui, name: &str, level: &mut Level, color: &mut Rgb) -> bool {
-    let mut is_changed = switch(ui, name, &mut level.is_on).changed();
+    let about = "Switches the light on or off.";
+    let mut is_changed = switch(ui, name, &mut level.is_on)
+        .on_hover_text(about)
+        .changed();
     if level.is_on {
         let mut brightness = f64::from(level.brightness);
         let slider = Slider::new("Brightness", 0.01, 100.0)
+            .unit("×")
+            .about("Factor on the radiance or intensity that the file says.")
             .logarithmic(true)
             .default(1.0);
         if slider.show(ui, &mut brightness).changed() {
@@ -159,6 +164,7 @@ fn environment(
         is_changed |= light_row(ui, "Environment light", level, tint);
         let slider = Slider::new("Rotation", -180.0, 180.0)
             .unit("°")
+            .about("Turn of the environment about the vertical.")
             .default(0.0);
         if slider.show(ui, &mut rotation).changed()
             && let Some(map) = &mut appearance.environment
@@ -167,18 +173,16 @@ fn environment(
             is_changed = true;
         }
     }
-    let is_entered = path_field(
-        ui,
-        "Path of a .hdr or .exr map",
-        &mut shell.fields.environment,
-    );
+    let is_entered = path_field(ui, "Environment map path", &mut shell.fields.environment);
     ui.horizontal(|ui| {
-        let is_pressed = button(ui, "Load").clicked();
+        let about = "Takes the .hdr or .exr file at this path for the environment.";
+        let is_pressed = button(ui, "Load map").on_hover_text(about).clicked();
         if (is_pressed || is_entered) && !shell.fields.environment.trim().is_empty() {
             let path = PathBuf::from(shell.fields.environment.trim());
             shell.background.open_environment(path);
         }
-        if button(ui, "Browse …").clicked() {
+        let about = "Chooses an environment map among the files.";
+        if button(ui, "Browse …").on_hover_text(about).clicked() {
             shell.background.choose(Wanted::Environment);
         }
     });

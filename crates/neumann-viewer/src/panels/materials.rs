@@ -22,7 +22,7 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
     let appearance = open.scene.appearance();
     let n_materials = n_listed(&open.scene);
     if n_materials == 0 {
-        hint(ui, "the file has none");
+        hint(ui, "The file has none");
     }
     let mut edited: Option<(usize, MaterialDescription)> = None;
     for (i, material) in appearance.materials.iter().take(n_materials).enumerate() {
@@ -35,6 +35,7 @@ pub(super) fn show(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
             "edited"
         };
         let row = row_button(ui, &name, remark, is_chosen);
+        let row = row.on_hover_text("Shows the values of the material, or hides them.");
         if row.clicked() {
             shell.material = (!is_chosen).then_some(i);
         }
@@ -86,9 +87,11 @@ fn editor(
         &mut material.base_color,
         "Multiplies the texture of the base colour, if there is one.",
     );
-    let mut number = |name: &str, value: &mut f32, home: f32, min: f64, max: f64| {
+    let mut number = |name: &str, value: &mut f32, home: f32, (min, max): (f64, f64), about| {
         let mut wide = f64::from(*value);
-        let slider = Slider::new(name, min, max).default(f64::from(home));
+        let slider = Slider::new(name, min, max)
+            .default(f64::from(home))
+            .about(about);
         if slider.show(ui, &mut wide).changed() {
             *value = wide as f32;
             is_changed = true;
@@ -98,36 +101,36 @@ fn editor(
         "Roughness",
         &mut material.roughness,
         original.roughness,
-        0.0,
-        1.0,
+        (0.0, 1.0),
+        "Perceptual roughness: 0 is a mirror, 1 is matt.",
     );
     number(
         "Metallic",
         &mut material.metallic,
         original.metallic,
-        0.0,
-        1.0,
+        (0.0, 1.0),
+        "0 is a dielectric, 1 a metal.",
     );
     number(
         "Specular",
         &mut material.specular,
         original.specular,
-        0.0,
-        1.0,
+        (0.0, 1.0),
+        "Strength of the dielectric's reflection.",
     );
     number(
         "Transmission",
         &mut material.transmission,
         original.transmission,
-        0.0,
-        1.0,
+        (0.0, 1.0),
+        "Share of the light that passes into the dielectric instead of being scattered back.",
     );
     number(
         "Index of refraction",
         &mut material.ior,
         original.ior,
-        1.0,
-        3.0,
+        (1.0, 3.0),
+        "Bends light that passes, and decides how much is reflected: 1.5 is glass, 1.33 water.",
     );
     is_changed |= color_row(
         ui,
@@ -149,7 +152,8 @@ fn editor(
     }
     is_changed |= emission(ui, name, material, original);
     let is_edited = settled(ui, "edited", material != original);
-    if is_edited && button(ui, "As in the file").clicked() {
+    let about = "Takes all values of the material from the file again.";
+    if is_edited && button(ui, "Reset material").on_hover_text(about).clicked() {
         material.clone_from(original);
         is_changed = true;
     }
@@ -170,7 +174,8 @@ fn emission(
     let slider = Slider::new("Emission", 0.0, 1000.0)
         .logarithmic(true)
         .default(f64::from(original.emission.max_channel()))
-        .about("Radiance of the brightest channel, W m⁻² sr⁻¹.");
+        .unit("W m⁻² sr⁻¹")
+        .about("Radiance of the brightest channel.");
     let mut is_changed = slider.show(ui, &mut strength).changed();
     if is_changed {
         let hues = [material.emission, kept, original.emission];

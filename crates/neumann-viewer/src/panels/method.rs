@@ -15,7 +15,9 @@ use crate::setup::Setup;
 use crate::shell::Shell;
 use crate::theme::{GRID, Palette};
 use crate::views::{VIEWS, Views};
-use crate::widgets::{Slider, button, explained_choice, fold, heading, paragraph, rule, switch};
+use crate::widgets::{
+    Slider, button, choice_row, explained_choice, fold, heading, paragraph, rule, switch,
+};
 
 pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mut Shell) {
     let setup = &mut session.setup;
@@ -46,10 +48,9 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mu
     rule(ui);
     heading(ui, "Series");
     let mut bounces = f64::from(setup.max_bounces);
-    let longest = Slider::new("Longest path", 0.0, 128.0)
+    let longest = Slider::new("Maximum bounces", 0.0, 128.0)
         .step(1.0)
         .default(16.0)
-        .unit("bounces")
         .about("Terms with more scattering events than this are not computed.");
     if longest.show(ui, &mut bounces).changed() {
         setup.max_bounces = bounces as u32;
@@ -85,13 +86,13 @@ fn view_buttons(ui: &mut Ui, setup: &Setup, views: &Views, shell: &mut Shell) {
             continue;
         }
         ui.add_space(GRID);
-        let name = if views.shown().id == row.id {
-            "Back to the picture"
+        let (name, about) = if views.shown().id == row.id {
+            ("Show picture", "Goes back to the picture.")
         } else {
-            row.title
+            (row.title, row.about)
         };
         let key = row.key.as_ref().map(|line| format!(" ({})", line.keys));
-        let about = format!("{}{}", row.about, key.unwrap_or_default());
+        let about = format!("{about}{}", key.unwrap_or_default());
         if button(ui, name).on_hover_text(about).clicked() {
             shell.act(ui.ctx(), Action::View(row.id));
         }
@@ -101,10 +102,19 @@ fn view_buttons(ui: &mut Ui, setup: &Setup, views: &Views, shell: &mut Shell) {
 fn run(ui: &mut Ui, setup: &mut Setup, link: &mut RenderLink) {
     ui.horizontal(|ui| {
         let is_paused = link.is_paused();
-        if button(ui, if is_paused { "Resume" } else { "Pause" }).clicked() {
+        let (name, about) = if is_paused {
+            ("Resume", "Goes on with the samples that are there. (Space)")
+        } else {
+            (
+                "Pause",
+                "Keeps all samples; Resume goes on with them. (Space)",
+            )
+        };
+        if button(ui, name).on_hover_text(about).clicked() {
             link.pause(!is_paused);
         }
-        if button(ui, "Restart").clicked() {
+        let about = "Begins anew, without the samples so far. (R)";
+        if button(ui, "Restart").on_hover_text(about).clicked() {
             setup.is_changed = true;
         }
     });
@@ -114,13 +124,14 @@ fn run(ui: &mut Ui, setup: &mut Setup, link: &mut RenderLink) {
         StopRule::Iterations(_) => 1,
         StopRule::Seconds(_) => 2,
     };
-    match explained_choice(
-        ui,
-        "Stop after",
-        "When rendering ends by itself. A change of it begins nothing anew.",
-        &["never", "iterations", "seconds"],
-        chosen,
-    ) {
+    const ENDS: [&str; 3] = [
+        "Rendering goes on until it is paused.",
+        "Rendering ends after so many iterations.",
+        "Rendering ends after so many seconds, pauses left out.",
+    ];
+    let about = |i: usize| format!("{} A change of it begins nothing anew.", ENDS[i]);
+    let names = ["never", "iterations", "seconds"];
+    match choice_row(ui, "Stop after", &names, about, chosen) {
         Some(0) => setup.stop = StopRule::Never,
         Some(1) => setup.stop = StopRule::Iterations(256),
         Some(_) => setup.stop = StopRule::Seconds(60.0),
@@ -132,13 +143,15 @@ fn run(ui: &mut Ui, setup: &mut Setup, link: &mut RenderLink) {
             let mut number = f64::from(*n);
             let slider = Slider::new("Iterations", 1.0, 65536.0)
                 .step(1.0)
+                .about("Iterations after which rendering ends.")
                 .logarithmic(true);
             slider.show(ui, &mut number);
             *n = number as u32;
         }
         StopRule::Seconds(seconds) => {
-            let slider = Slider::new("Seconds", 1.0, 36000.0)
+            let slider = Slider::new("Time", 1.0, 36000.0)
                 .unit("s")
+                .about("Time of rendering after which it ends.")
                 .logarithmic(true);
             slider.show(ui, seconds);
         }

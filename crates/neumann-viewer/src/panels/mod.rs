@@ -46,6 +46,16 @@ impl Page {
             Self::Display => "Display",
         }
     }
+
+    /// What stands on it, with its key.
+    fn about(self) -> &'static str {
+        match self {
+            Self::Method => "The method, its parameters, and when rendering stops. (F1)",
+            Self::Scene => "Other scenes, lights, environment and materials. (F2)",
+            Self::Camera => "Camera, lens and size of the film. (F3)",
+            Self::Display => "Exposure, tone curve, false colour and comparison. (F4)",
+        }
+    }
 }
 
 /// Draws the panel into `rect`.
@@ -66,7 +76,8 @@ pub fn show(
         let takes_keyboard = std::mem::take(&mut shell.gives_panel_the_keyboard);
         let titles = Page::ALL.map(Page::title);
         let chosen = Page::ALL.iter().position(|page| *page == shell.page);
-        if let Some(i) = tabs(ui, &titles, chosen.unwrap_or(0), takes_keyboard) {
+        let about = |i: usize| Page::ALL[i].about().to_owned();
+        if let Some(i) = tabs(ui, &titles, about, chosen.unwrap_or(0), takes_keyboard) {
             shell.page = Page::ALL[i];
         }
         ui.add_space(GRID / 2.0);

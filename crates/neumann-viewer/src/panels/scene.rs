@@ -18,14 +18,17 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     let setup = &mut session.setup;
     about(ui, setup);
     ui.add_space(GRID);
-    let is_entered = path_field(ui, "Path of a scene", &mut shell.fields.scene);
+    let is_entered = path_field(ui, "Scene path", &mut shell.fields.scene);
     ui.horizontal(|ui| {
-        let is_pressed = button(ui, "Open").clicked();
+        let about =
+            "Opens the file at this path, a scene or a state, or a built-in scene by its name.";
+        let is_pressed = button(ui, "Open scene").on_hover_text(about).clicked();
         if (is_pressed || is_entered) && !shell.fields.scene.trim().is_empty() {
             let path = shell.fields.scene.trim().to_owned();
             shell.open_scene(path);
         }
-        if button(ui, "Browse …").clicked() {
+        let about = "Chooses a scene or a state among the files. (Ctrl O)";
+        if button(ui, "Browse …").on_hover_text(about).clicked() {
             shell.background.choose(Wanted::Scene);
         }
     });
@@ -37,7 +40,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
             shell.open_scene(name);
         }
     }
-    if !shell.recent.paths().is_empty() && fold(ui, "Recent", false) {
+    if !shell.recent.paths().is_empty() && fold(ui, "Recent files", false) {
         let paths = shell.recent.paths().to_vec();
         for path in paths {
             let name = std::path::Path::new(&path)
@@ -53,10 +56,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     if setup.open.is_some() {
         rule(ui);
         heading(ui, "Edits");
-        paragraph(
-            ui,
-            "Shift and a click on the picture show the material there.",
-        );
+        paragraph(ui, "Shift click on the picture shows the material there.");
         ui.add_space(GRID / 2.0);
         super::history::show(ui, &session.history, shell);
         backs(ui, setup, &mut shell.notices);
@@ -120,7 +120,7 @@ fn backs(ui: &mut Ui, setup: &mut Setup, notices: &mut Notices) {
 fn warnings(ui: &mut Ui, setup: &Setup) {
     let Some(open) = &setup.open else { return };
     let warnings = open.scene.warnings();
-    if warnings.is_empty() || !fold(ui, "Notices", false) {
+    if warnings.is_empty() || !fold(ui, "Warnings", false) {
         return;
     }
     const MOST: usize = 40;

@@ -8,10 +8,7 @@ use crate::theme::{self, GRID, Palette, ROW};
 /// A button with words on it.
 pub fn button(ui: &mut Ui, text: &str) -> Response {
     let p = Palette::of(ui);
-    let galley = ui
-        .painter()
-        .layout_no_wrap(text.to_owned(), theme::body(), p.text);
-    let size = Vec2::new(galley.size().x + 3.0 * GRID, ROW);
+    let size = Vec2::new(button_width(ui, text), ROW);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     let fill = if response.is_pointer_button_down_on() {
         p.chosen
@@ -34,8 +31,18 @@ pub fn button(ui: &mut Ui, text: &str) -> Response {
     response
 }
 
-/// A square button with an icon; `name` says what it does, `keys` which keys do the same.
-pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, keys: &str) -> Response {
+/// Width of a [`button`] with these words, points.
+#[must_use]
+pub fn button_width(ui: &Ui, text: &str) -> f32 {
+    let color = Palette::of(ui).text;
+    let painter = ui.painter();
+    let galley = painter.layout_no_wrap(text.to_owned(), theme::body(), color);
+    galley.size().x + 3.0 * GRID
+}
+
+/// A square button with an icon; `name` says what it does, `keys` which keys do the same, and
+/// `about` what comes of it, in a sentence.
+pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, keys: &str, about: &str) -> Response {
     let p = Palette::of(ui);
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(28.0), Sense::click());
     if response.hovered() {
@@ -45,11 +52,7 @@ pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str, keys: &str) -> Response 
     icon.paint(ui.painter(), rect.center(), color);
     focus_ring(ui, &response, rect, 4);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), name));
-    response.on_hover_text(if keys.is_empty() {
-        name.to_owned()
-    } else {
-        format!("{name}  ({keys})")
-    })
+    response.on_hover_text(format!("{name}  ({keys})\n{about}"))
 }
 
 /// A row as wide as the panel: a name, a remark on the right, marked when chosen.

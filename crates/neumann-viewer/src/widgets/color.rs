@@ -136,18 +136,21 @@ fn picker(ui: &mut Ui, id: Id, color: &mut Rgb, kind: Of) -> bool {
     let now = now.map(|c| c.clamp(0.0, 1.0));
     let mut hsv = last.map_or_else(|| Hsva::from_rgb(now), |(hsv, _)| hsv);
     let mut is_changed = field(ui, &mut hsv);
-    let mut part = |ui: &mut Ui, name: &str, scale: f64, unit: &str, value: &mut f32| {
+    let mut part = |ui: &mut Ui, name: &str, scale: f64, about: &str, value: &mut f32| {
         let mut number = f64::from(*value) * scale;
-        let slider = Slider::new(name, 0.0, scale).unit(unit);
+        let unit = if scale > 1.0 { "°" } else { "" };
+        let slider = Slider::new(name, 0.0, scale).unit(unit).about(about);
         if slider.show(ui, &mut number).changed() {
             *value = (number / scale) as f32;
             is_changed = true;
         }
     };
-    part(ui, "Hue", 360.0, "°", &mut hsv.h);
-    part(ui, "Saturation", 1.0, "", &mut hsv.s);
+    let about = "Place on the circle of hues: 0 is red, 120 green, 240 blue.";
+    part(ui, "Hue", 360.0, about, &mut hsv.h);
+    let about = "0 is grey, 1 the pure hue.";
+    part(ui, "Saturation", 1.0, about, &mut hsv.s);
     match kind {
-        Of::Share => part(ui, "Value", 1.0, "", &mut hsv.v),
+        Of::Share => part(ui, "Value", 1.0, "The largest channel.", &mut hsv.v),
         Of::Hue => hsv.v = 1.0,
     }
     if is_changed {

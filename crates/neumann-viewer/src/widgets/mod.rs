@@ -10,14 +10,12 @@ mod slider;
 mod switch;
 mod text;
 
-pub use button::{button, icon_button, row_button};
+pub use button::{button, button_width, icon_button, row_button};
 pub use color::{color_row, color_sliders, hue_row};
 pub use fold::{fold, fold_opened};
 pub use icon::Icon;
 pub use neumann_picture::figures::significant;
-pub use segmented::{
-    choice_row, choice_rows, explained_choice, segmented, segmented_width, segments, tabs,
-};
+pub use segmented::{choice_row, choice_rows, explained_choice, segmented_width, segments, tabs};
 pub use settled::settled;
 pub use slider::Slider;
 pub use switch::switch;

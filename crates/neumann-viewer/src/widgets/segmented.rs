@@ -5,7 +5,7 @@ use egui::{Align2, Rect, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
 use super::focus_ring;
 use crate::theme::{self, GRID, Palette, ROW};
 
-/// Width that [`segmented`] needs for these labels.
+/// Width that [`segments`] needs for these labels.
 #[must_use]
 pub fn segmented_width(ui: &Ui, labels: &[&str]) -> f32 {
     labels.iter().map(|l| segment_width(ui, l)).sum::<f32>() + 4.0
@@ -19,12 +19,8 @@ fn segment_width(ui: &Ui, label: &str) -> f32 {
     (galley.size().x + 2.5 * GRID).round()
 }
 
-/// A row of segments of which one is chosen; yields the one that was clicked.
-pub fn segmented(ui: &mut Ui, name: &str, labels: &[&str], chosen: usize) -> Option<usize> {
-    segments(ui, name, labels, |_| String::new(), chosen)
-}
-
-/// As [`segmented`], where `about` says what each of them is.
+/// A row of segments of which one is chosen, where `about` says what each of them is; yields the
+/// one that was clicked.
 pub fn segments(
     ui: &mut Ui,
     name: &str,
@@ -79,10 +75,7 @@ fn row_of_segments(
         if response.clicked() {
             clicked = Some(i);
         }
-        let about = about(i);
-        if !about.is_empty() {
-            response.on_hover_text(about);
-        }
+        response.on_hover_text(about(i));
     }
     clicked
 }
@@ -96,10 +89,17 @@ fn ground(ui: &Ui) -> egui::Color32 {
     }
 }
 
-/// Tabs over a panel: words, the chosen one underlined; yields the one that was clicked.
+/// Tabs over a panel: words, the chosen one underlined, where `about` says what stands on each of
+/// them; yields the one that was clicked.
 ///
 /// The chosen one is given the keyboard if `takes_keyboard`.
-pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize, takes_keyboard: bool) -> Option<usize> {
+pub fn tabs(
+    ui: &mut Ui,
+    labels: &[&str],
+    about: impl Fn(usize) -> String,
+    chosen: usize,
+    takes_keyboard: bool,
+) -> Option<usize> {
     let p = Palette::of(ui);
     let (bar, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), 32.0), Sense::hover());
     let width = |label: &&str| {
@@ -147,16 +147,12 @@ pub fn tabs(ui: &mut Ui, labels: &[&str], chosen: usize, takes_keyboard: bool) -
         if response.clicked() {
             clicked = Some(i);
         }
+        response.on_hover_text(about(i));
     }
     clicked
 }
 
-/// A name, and below it a row of segments as wide as the panel; yields the one that was clicked.
-pub fn choice_row(ui: &mut Ui, name: &str, labels: &[&str], chosen: usize) -> Option<usize> {
-    explained_choice(ui, name, "", labels, chosen)
-}
-
-/// As [`choice_row`], with a sentence that says what is chosen.
+/// As [`choice_row`], with one sentence that says what is chosen.
 pub fn explained_choice(
     ui: &mut Ui,
     name: &str,
@@ -164,12 +160,23 @@ pub fn explained_choice(
     labels: &[&str],
     chosen: usize,
 ) -> Option<usize> {
+    choice_row(ui, name, labels, |_| about.to_owned(), chosen)
+}
+
+/// A name, and below it a row of segments as wide as the panel, where `about` says what each of
+/// them is; yields the one that was clicked.
+pub fn choice_row(
+    ui: &mut Ui,
+    name: &str,
+    labels: &[&str],
+    about: impl Fn(usize) -> String,
+    chosen: usize,
+) -> Option<usize> {
     ui.add_space(GRID / 2.0);
-    let label = ui.label(name);
-    if !about.is_empty() {
-        label.on_hover_text(about);
+    let title = ui.label(name);
+    if labels.len() > chosen {
+        title.on_hover_text(about(chosen));
     }
-    let about = |_| about.to_owned();
     // Closer together than in a bar, so that five words fit a panel.
     let natural: Vec<f32> = labels
         .iter()
@@ -184,7 +191,8 @@ pub fn explained_choice(
     }
     let mut clicked = None;
     for (i, label) in labels.iter().enumerate() {
-        if super::row_button(ui, label, "", i == chosen).clicked() {
+        let row = super::row_button(ui, label, "", i == chosen);
+        if row.on_hover_text(about(i)).clicked() {
             clicked = Some(i);
         }
     }

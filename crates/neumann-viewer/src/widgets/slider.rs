@@ -167,6 +167,8 @@ impl<'a> Slider<'a> {
             }
         });
         if !self.about.is_empty() {
+            ui.ctx()
+                .accesskit_node_builder(id, |node| node.set_description(self.about));
             hover.on_hover_text(self.about);
         }
         response
@@ -256,7 +258,7 @@ impl<'a> Slider<'a> {
         {
             *value = default;
         }
-        reset.on_hover_text("Back to the usual value");
+        reset.on_hover_text("Back to the usual value.");
     }
 
     /// The number; a click turns it into a text field.
@@ -285,6 +287,7 @@ impl<'a> Slider<'a> {
                 ui.data_mut(|d| d.insert_temp(typing, text));
                 ui.memory_mut(|m| m.request_focus(id.with("field")));
             }
+            response.on_hover_text("A click lets the number be typed.");
             return;
         };
         let field = TextEdit::singleline(&mut text)

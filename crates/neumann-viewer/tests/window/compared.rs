@@ -215,7 +215,7 @@ fn the_page_display_takes_what_is_held_as_the_reference() {
     click(&mut harness, "Hold as A");
     press(&mut harness, Key::Num2);
     click(&mut harness, "Hold as B");
-    click(&mut harness, "A − B");
+    click(&mut harness, "Difference A − B");
     let why = "No difference: A is T1, B is T2";
     assert_eq!(compared(&harness), Compared::Refused(why.to_owned()));
     assert!(says(&harness, why));
@@ -226,7 +226,7 @@ fn the_page_display_takes_what_is_held_as_the_reference() {
     assert_eq!(compared(&harness), Compared::Refused(why.to_owned()));
     press(&mut harness, Key::Num1);
     assert!(says(&harness, "compared: picture − A"));
-    click(&mut harness, "Difference");
+    click(&mut harness, "Difference from reference");
     assert_eq!(compared(&harness), Compared::Nothing);
 }
 

@@ -19,7 +19,7 @@ fn a_slider_steps_with_the_keyboard_and_resets() {
     let mut harness = harness([1280.0, 960.0]);
     assert_eq!(harness.state().session.setup.max_bounces, 16);
     harness
-        .get_by_role_and_label(egui::accesskit::Role::Slider, "Longest path")
+        .get_by_role_and_label(egui::accesskit::Role::Slider, "Maximum bounces")
         .focus();
     harness.run_steps(2);
     press(&mut harness, Key::ArrowRight);
@@ -30,7 +30,7 @@ fn a_slider_steps_with_the_keyboard_and_resets() {
         "the arrow stays with the slider"
     );
     assert_eq!(harness.state().session.link.n_starts(), 2);
-    click(&mut harness, "Reset longest path");
+    click(&mut harness, "Reset maximum bounces");
     assert_eq!(harness.state().session.setup.max_bounces, 16);
 }
 

@@ -239,7 +239,7 @@ fn a_sky_that_is_removed_comes_back_by_its_notice_and_by_undo() {
     click(&mut harness, "Sky: none");
     assert!(!is_there(&harness));
     press(&mut harness, Key::W);
-    click(&mut harness, "Put back");
+    click(&mut harness, "Restore sky");
     assert!(is_there(&harness));
     undo(&mut harness);
     assert!(!is_there(&harness), "the notice's own step");
@@ -255,7 +255,7 @@ fn a_text_field_keeps_its_own_undo() {
     press(&mut harness, Key::W);
     let flown = eye(&harness);
     press(&mut harness, Key::F2);
-    harness.get_by_label("Path of a scene").focus();
+    harness.get_by_label("Scene path").focus();
     harness.run_steps(2);
     undo(&mut harness);
     assert_eq!(eye(&harness), flown);

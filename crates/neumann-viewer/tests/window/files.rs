@@ -1,5 +1,6 @@
 //! What comes into the window from outside, and what goes out.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::{Key, Modifiers};
@@ -26,13 +27,13 @@ fn a_bad_path_says_so_and_keeps_the_scene() {
     let mut harness = harness([1280.0, 960.0]);
     press(&mut harness, Key::F2);
     assert_eq!(harness.state().shell.page, Page::Scene);
-    harness.get_by_label("Path of a scene").focus();
+    harness.get_by_label("Scene path").focus();
     harness.run_steps(2);
     harness
-        .get_by_label("Path of a scene")
+        .get_by_label("Scene path")
         .type_text("no-such-scene.glb");
     harness.run_steps(2);
-    click(&mut harness, "Open");
+    click(&mut harness, "Open scene");
     wait(&mut harness, |app| !app.is_loading());
     let notice = harness
         .state()
@@ -53,13 +54,75 @@ fn a_bad_path_says_so_and_keeps_the_scene() {
 
     harness.state_mut().shell.fields.scene = "cornell".to_owned();
     harness.run_steps(2);
-    click(&mut harness, "Open");
+    click(&mut harness, "Open scene");
     wait(&mut harness, |app| !app.is_loading());
     assert_eq!(
         harness.state().session.setup.open.as_ref().unwrap().source,
         "cornell"
     );
     assert_eq!(harness.state().session.link.n_starts(), 2);
+}
+
+/// Saves the state by its key; yields its file.
+#[cfg(unix)]
+fn save_state(harness: &mut Harness<'_, App>) -> PathBuf {
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    let saved = |app: &App| {
+        let mut texts = app.shell.notices.texts();
+        texts.find_map(|text| text.strip_prefix("Saved ").map(PathBuf::from))
+    };
+    wait(harness, |app| saved(app).is_some());
+    saved(harness.state()).expect("it was saved")
+}
+
+#[test]
+#[cfg(unix)]
+fn the_folder_of_a_saved_file_is_shown_or_its_path_copied() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = format!("neumann-folder-test-{}", std::process::id());
+    let folder = std::env::temp_dir().join(folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let (opener, told) = (folder.join("opener"), folder.join("told"));
+    let script = format!("#!/bin/sh\nprintf %s \"$1\" > '{}'\n", told.display());
+    std::fs::write(&opener, script).unwrap();
+    let permissions = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(&opener, permissions).unwrap();
+
+    let mut harness = harness([1280.0, 720.0]);
+    harness.state_mut().shell.background.opener = opener;
+    let file = save_state(&mut harness);
+    click(&mut harness, "Show folder");
+    wait(&mut harness, |app| !app.shell.background.is_busy());
+    let shown = std::fs::read_to_string(told).unwrap();
+    assert_eq!(Some(Path::new(&shown)), file.parent());
+    assert_eq!(harness.state().shell.notices.texts().count(), 0);
+
+    for opener in ["no-such-program", "false"] {
+        harness.state_mut().shell.background.opener = PathBuf::from(opener);
+        let file = save_state(&mut harness);
+        harness.get_by_label("Show folder").click();
+        let mut copied = None;
+        for _ in 0..1000 {
+            harness.step();
+            let commands = &harness.output().platform_output.commands;
+            copied = commands.iter().find_map(|command| match command {
+                egui::OutputCommand::CopyText(text) => Some(text.clone()),
+                _ => None,
+            });
+            if copied.is_some() {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        assert_eq!(copied, Some(file.display().to_string()), "{opener}");
+        let notices: Vec<_> = harness.state().shell.notices.texts().collect();
+        let expected = "Copied the path, as no program here shows folders";
+        assert_eq!(notices, [expected], "{opener}");
+        press(&mut harness, Key::Escape);
+        std::fs::remove_file(file).unwrap();
+    }
+    std::fs::remove_dir_all(folder).unwrap();
 }
 
 /// The command has the camera to the bit, and what differs from the defaults.
@@ -191,7 +254,7 @@ fn the_default_sky_goes_at_a_click_and_others_can_be_chosen() {
     assert_eq!(sky_of(&harness), None);
     let told: Vec<_> = harness.state().shell.notices.texts().collect();
     assert_eq!(told, ["The sky is removed, and nothing shines now"]);
-    click(&mut harness, "Put back");
+    click(&mut harness, "Restore sky");
     assert_eq!(sky_of(&harness).as_deref(), Some("studio"));
     assert_eq!(harness.state().shell.notices.texts().count(), 0);
     harness.state_mut().shell.page = Page::Scene;
@@ -201,16 +264,16 @@ fn the_default_sky_goes_at_a_click_and_others_can_be_chosen() {
     assert_eq!(sky_of(&harness).as_deref(), Some("sun"));
     click(&mut harness, "Sky: none");
     assert_eq!(sky_of(&harness), None);
-    click(&mut harness, "Put back");
+    click(&mut harness, "Restore sky");
     assert_eq!(sky_of(&harness).as_deref(), Some("sun"));
 }
 
 #[derive(Debug)]
 
-struct Dropped(std::path::PathBuf);
+struct Dropped(PathBuf);
 
 impl egui::DroppedFile for Dropped {
-    fn path(&self) -> &std::path::Path {
+    fn path(&self) -> &Path {
         &self.0
     }
 
@@ -219,7 +282,7 @@ impl egui::DroppedFile for Dropped {
     }
 }
 
-fn drop_on(harness: &mut Harness<'_, App>, path: &std::path::Path) {
+fn drop_on(harness: &mut Harness<'_, App>, path: &Path) {
     let file = Arc::new(Dropped(path.to_owned()));
     harness.input_mut().dropped_files.push(file);
     harness.run_steps(2);
@@ -314,8 +377,8 @@ fn enter_loads_what_a_path_field_names() {
     harness.run_steps(2);
     click(&mut harness, "Environment");
     for (field, path) in [
-        ("Path of a .hdr or .exr map", "~/no-such-map.exr"),
-        ("Path of a scene", "~/no-such-scene.glb"),
+        ("Environment map path", "~/no-such-map.exr"),
+        ("Scene path", "~/no-such-scene.glb"),
     ] {
         harness.get_by_label(field).focus();
         harness.run_steps(2);
@@ -350,7 +413,7 @@ fn automatic_exposure_goes_back_to_what_was_set() {
     // By the switch as well.
     harness.state_mut().shell.page = Page::Display;
     toggle(&mut harness);
-    click(&mut harness, "Automatic");
+    click(&mut harness, "Automatic exposure");
     assert!((exposure(&harness) - set).abs() < 1e-6);
     // What is set meanwhile stays.
     toggle(&mut harness);

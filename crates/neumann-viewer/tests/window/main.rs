@@ -13,6 +13,7 @@ mod series;
 #[path = "../support/mod.rs"]
 mod support;
 mod views;
+mod words;
 
 use egui::{Key, Theme};
 use egui_kittest::Harness;

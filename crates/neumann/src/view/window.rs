@@ -38,7 +38,7 @@ fn no_window(error: ViewError) -> NoWindow {
                 .to_owned(),
         ),
         error @ ViewError::TooLarge { .. } => NoWindow::Failed(bad_input(error)),
-        error @ ViewError::Other(_) => NoWindow::Failed(error.into()),
+        error @ (ViewError::Gone | ViewError::Other(_)) => NoWindow::Failed(error.into()),
     }
 }
 
@@ -79,7 +79,11 @@ pub(crate) fn run(arguments: &ViewArguments) -> Outcome {
 
 /// Reads a state; what is odd about it is told.
 fn read_state(path: &Path) -> Outcome<State> {
-    let (state, warnings) = State::read(path).or_bad_input()?;
+    let read = match path.to_str() {
+        Some("-") => State::read_from(std::io::stdin().lock(), "standard input"),
+        _ => State::read(path),
+    };
+    let (state, warnings) = read.or_bad_input()?;
     for warning in warnings {
         console::note(&format!("warning: {warning}"));
     }

@@ -1,6 +1,8 @@
 //! `view --state`: what is wrong with a state file is told in one line, before anything is opened.
 
 use std::fs;
+use std::io::Write;
+use std::process::{Command, Stdio};
 
 use glam::Vec3;
 use neumann_core::scene::description::{CameraDescription, Projection};
@@ -105,4 +107,44 @@ fn a_rendered_picture_has_its_state() {
     assert_eq!(camera.world_from_camera, matrix);
     let yfov = 40f32.to_radians();
     assert_eq!(camera.projection, Projection::Perspective { yfov });
+}
+
+/// What was copied in a window comes by a pipe.
+#[test]
+fn a_state_comes_from_standard_input() {
+    let folder = Folder::new();
+    let run = |text: &str| {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_neumann"))
+            .args([
+                "view",
+                "--state",
+                "-",
+                "--screenshot",
+                "a.png",
+                "--after",
+                "1",
+            ])
+            .args(["--window-size", "640x420"])
+            .current_dir(folder.join(""))
+            .stdin(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut stdin = child.stdin.take().unwrap();
+        stdin.write_all(text.as_bytes()).unwrap();
+        drop(stdin);
+        let output = child.wait_with_output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        (output.status.code(), stderr)
+    };
+    let (code, stderr) = run(r#"{"scene": "cornell", "max_bounces": -1}"#);
+    assert_eq!(code, Some(2), "{stderr}");
+    assert!(stderr.contains("standard input: max_bounces: "), "{stderr}");
+    let (code, stderr) = run(r#"{"scene":"cornell","part":"T1"}"#);
+    if code != Some(0) && std::env::var_os("CI").is_none() {
+        assert!(stderr.contains("no graphics adapter"), "{stderr}");
+        return;
+    }
+    assert_eq!(code, Some(0), "{stderr}");
+    assert!(folder.join("a.png").exists());
 }

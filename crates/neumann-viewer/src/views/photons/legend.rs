@@ -4,9 +4,10 @@ use egui::{Align2, Color32, Rect, Role, Sense, StrokeKind, Ui, UiBuilder, Vec2, 
 use neumann_core::photons::PhotonPicture;
 use neumann_picture::photons::{PhotonColours, PhotonLook, PowerScale};
 
+use super::words;
 use crate::theme::{self, GRID, Palette, ROW};
 use crate::views::plate;
-use crate::widgets::{segmented, segmented_width, significant};
+use crate::widgets::{segmented_width, segments, significant};
 
 /// Height of a line, points.
 const LINE: f32 = 17.0;
@@ -120,7 +121,8 @@ impl Legend {
         let chosen = PhotonColours::ALL.iter().position(|c| *c == colours);
         let clicked = ui
             .scope_builder(UiBuilder::new().max_rect(row).id_salt("colours"), |ui| {
-                segmented(ui, "colour photons by", &names, chosen.unwrap_or(0))
+                let about = |i: usize| words::about(PhotonColours::ALL[i]).to_owned();
+                segments(ui, "colour photons by", &names, about, chosen.unwrap_or(0))
             })
             .inner;
         clicked.map(|i| PhotonColours::ALL[i])

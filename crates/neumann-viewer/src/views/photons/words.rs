@@ -2,10 +2,18 @@
 
 use neumann_core::photons::PhotonStack;
 use neumann_core::radiometry::Rgb;
-use neumann_picture::photons::{PhotonLook, watts};
+use neumann_picture::photons::{PhotonColours, PhotonLook, watts};
 
 use crate::probe::Reading;
 use crate::session::Session;
+
+/// What a choice of colours says of photons, in a sentence.
+pub(super) fn about(colours: PhotonColours) -> &'static str {
+    match colours {
+        PhotonColours::Bounce => "A colour for how often a photon was scattered before it landed.",
+        PhotonColours::Power => "The power that the photons of a pixel carry, in watts.",
+    }
+}
 
 /// Why no photons are shown.
 pub(super) fn waiting(session: &Session, are_there: bool) -> &'static str {

@@ -25,8 +25,9 @@ pub(super) fn show(
     let response = ui
         .interact(grip, ui.scope_id().with("wipe"), Sense::drag())
         .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
-    response
-        .widget_info(|| WidgetInfo::slider(true, f64::from(settings.wipe), "wipe between A and B"));
+    let spoken = "wipe line";
+    response.widget_info(|| WidgetInfo::slider(true, f64::from(settings.wipe), spoken));
+    let response = response.on_hover_text("Drag the line to see more of A or of B.");
     if let Some(at) = response.interact_pointer_pos() {
         settings.wipe = ((at.x - film.left()) / film.width()).clamp(0.0, 1.0);
     }

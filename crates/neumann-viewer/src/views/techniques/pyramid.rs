@@ -9,12 +9,13 @@ use egui::{
 use neumann_core::film::{Joint, Strategy, TechniqueFilm, TechniqueImage, View as Part};
 
 use super::pictures::{Allowance, Made, Tile};
+use super::words::about_image;
 use super::{TechniqueView, description, label};
 use crate::display::{ViewSettings, ground};
 use crate::formula::Formula;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{focus_ring, segmented, segmented_width};
+use crate::widgets::{focus_ring, segmented_width, segments};
 
 /// Height of the line above the pyramid.
 const HEAD: f32 = 48.0;
@@ -88,7 +89,10 @@ fn head_line(ui: &mut Ui, rect: Rect, view: &mut TechniqueView, p: &Palette) {
     let clicked = ui
         .scope_builder(
             UiBuilder::new().max_rect(spot).id_salt("technique image"),
-            |ui| segmented(ui, "technique image", &names, chosen.unwrap_or(0)),
+            |ui| {
+                let about = |i: usize| about_image(TechniqueImage::ALL[i]).to_owned();
+                segments(ui, "technique image", &names, about, chosen.unwrap_or(0))
+            },
         )
         .inner;
     if let Some(i) = clicked {

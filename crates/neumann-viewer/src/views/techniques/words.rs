@@ -1,6 +1,6 @@
 //! What a technique is called, and what it does, in a sentence.
 
-use neumann_core::film::{Joint, Strategy};
+use neumann_core::film::{Joint, Strategy, TechniqueImage};
 
 /// Its name: `s=1 t=2`, or `merge s=2 t=2`.
 #[must_use]
@@ -31,6 +31,17 @@ pub fn description(strategy: Strategy) -> String {
             "a light subpath of {s} vertices and a camera subpath of {t}, their nearby ends taken \
              for one point"
         ),
+    }
+}
+
+/// What an image of a technique shows, in a sentence.
+pub(super) fn about_image(image: TechniqueImage) -> &'static str {
+    match image {
+        TechniqueImage::Raw => "What the technique would make of the picture alone, unweighted.",
+        TechniqueImage::Weighted => {
+            "What the technique adds to the picture: its contributions times their MIS weights."
+        }
+        TechniqueImage::Weight => "The mean MIS weight of the technique, from 0 to 1.",
     }
 }
 

@@ -68,7 +68,7 @@ pub static METHOD: Method = Method {
 /// Whether paths are sent to mirrors and glass.
 const SPECULAR_CASTERS: Parameter = Parameter {
     name: "casters",
-    title: "Aim at mirrors and glass",
+    title: "Aim at mirrors",
     unit: "",
     about: "Diffuse surfaces send up to a quarter of their paths to mirrors and smooth glass, \
             where caustics come from.",

@@ -58,6 +58,8 @@ pub(crate) enum Command {
     Render(RenderArguments),
     /// Render the terms of the series and its partial sums, and lay them out on a sheet
     Series(SeriesArguments),
+    /// Let methods render for equal processor time, and compare them with a reference
+    Race(RaceArguments),
     /// Say by which paths light has come to a pixel in one iteration
     Replay(ReplayArguments),
     /// Measure how far two pictures are apart: RMSE, relMSE, FLIP, mean ratio
@@ -339,6 +341,54 @@ pub(crate) struct SeriesArguments {
     #[arg(long)]
     pub(crate) resume: bool,
     /// End with one JSON object on stdout
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of `race`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "A method takes parameters behind a colon: pt-mis:roulette=off,casters=off. Each \
+    in turn has all threads; what counts is the processor time of the whole process. The \
+    reference is rendered by bdpt for four times as long, and kept beside the sheet.\n\n\
+    Examples:\n  \
+    neumann race cornell pt-nee pt-mis bdpt --time 10 -o race.png\n  \
+    neumann race plates pt-bsdf pt-nee pt-mis --size 384x256 --time 5 -o veach.png --csv veach.csv",
+    mut_arg("integrator", |a| a.hide(true)),
+    mut_arg("set", |a| a.hide(true))
+)]
+pub(crate) struct RaceArguments {
+    /// A .gltf or .glb file, or the name of a built-in scene
+    pub(crate) scene: String,
+    /// Two to four methods ('neumann list integrators')
+    #[arg(num_args = 2..=4, required = true, value_name = "METHOD")]
+    pub(crate) methods: Vec<String>,
+    /// Processor time of each method, seconds
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 10.0,
+        value_parser = crate::options::positive,
+        allow_hyphen_values = true
+    )]
+    pub(crate) time: f64,
+    /// The sheet: all pictures in a row, with their errors (.png)
+    #[arg(short = 'o', long = "output", value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Errors over time: a line for each time at which they were measured
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Compare with this picture (.exr, .png or .hdr)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) reference: Option<PathBuf>,
+    /// Write what each method rendered to this folder, all layers (.exr)
+    #[arg(long, value_name = "DIR")]
+    pub(crate) pictures: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) settings: SettingsOptions,
+    #[command(flatten)]
+    pub(crate) display: DisplayOptions,
+    /// Print one JSON array, with the errors over time
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -18,6 +18,7 @@ mod merge;
 mod options;
 mod outputs;
 mod progress;
+mod race;
 mod render;
 mod replay;
 mod series;
@@ -51,6 +52,7 @@ fn main() -> ExitCode {
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Series(arguments)) => series::run(&arguments),
+        Some(Command::Race(arguments)) => race::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::List(arguments)) => list::run(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),

@@ -11,6 +11,8 @@ mod examples;
 mod files_of_others;
 #[path = "command/photons.rs"]
 mod photons;
+#[path = "command/race.rs"]
+mod race;
 #[path = "command/refusals.rs"]
 mod refusals;
 #[path = "command/replay.rs"]

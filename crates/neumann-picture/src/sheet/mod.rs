@@ -8,6 +8,7 @@ mod canvas;
 mod label;
 mod photons;
 mod picture;
+mod race;
 mod techniques;
 mod text;
 
@@ -24,6 +25,7 @@ use text::{Align, Face, Style, Typesetter};
 pub use label::formula;
 pub use photons::photon_sheet;
 pub use picture::{PictureSheet, Scale, Wipe, picture_sheet};
+pub use race::{RacePicture, race_sheet};
 pub use techniques::{technique_name, technique_sheet};
 
 /// What stands on the sheet beside the pictures.

@@ -118,7 +118,7 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// A number above zero, single precision.
-pub(super) fn positive_single(text: &str) -> Result<f32, String> {
+pub(crate) fn positive_single(text: &str) -> Result<f32, String> {
     number(text, "use a number above 0", |v| v > 0.0)
 }
 

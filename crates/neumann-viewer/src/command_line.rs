@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use glam::Vec3;
 use neumann_core::render::StopRule;
-use neumann_core::scene::description::{CameraDescription, Projection};
+use neumann_core::scene::description::{CameraDescription, Crop, Projection};
 use neumann_core::scene::{Appearance, Backs, SkyChoice};
 
 use crate::display::ViewSettings;
@@ -39,8 +39,13 @@ pub fn of(session: &Session, settings: &ViewSettings) -> Option<CommandLine> {
             words.option("--set", text);
         }
     }
-    let size = format!("{}x{}", render.width, render.height);
-    words.option("--size", size);
+    let region = render.camera.crop;
+    let [width, height] = region.map_or([render.width, render.height], |region| region.of);
+    words.option("--size", format!("{width}x{height}"));
+    if let Some(Crop { at, size, .. }) = region {
+        let region = [at[0], at[1], size[0], size[1]].map(|n| n.to_string());
+        words.option("--region", region.join(","));
+    }
     words.option("--max-bounces", render.max_bounces);
     words.option("--layers", render.n_layers);
     words.option("--seed", render.seed);

@@ -37,6 +37,7 @@ pub mod pick;
 pub mod picture;
 pub mod probe;
 pub mod recent;
+pub mod region;
 pub mod render_link;
 pub mod save;
 pub mod scene_source;

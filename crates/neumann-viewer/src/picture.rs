@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use neumann_core::film::View;
 use neumann_core::radiometry::Rgb;
-use neumann_core::render::{Published, Stats, Thumbnail};
+use neumann_core::render::{Job, Published, Stats, Thumbnail};
+use neumann_core::scene::description::Crop;
 use neumann_picture::tone::auto_exposure;
 
 use crate::compared::{Origin, Reference};
 use crate::display::{SharedPlanes, Slot, ViewSettings, mean_of};
+use crate::region::{self, Around, Pieced};
 use crate::render_link::RenderLink;
 
 /// A view of the film that was put aside.
@@ -66,8 +68,30 @@ pub struct Picture {
     reference_part: Option<ReferencePart>,
     /// How often a picture was held, or a reference taken over.
     pub n_taken: u64,
+    /// The whole picture as it was, while a region of it is rendered.
+    pub around: Option<Around>,
+    /// The region that the film is of, if it is not the whole picture.
+    pub region: Option<Crop>,
     /// Microseconds that the last composition took.
     pub compose_micros: u32,
+}
+
+/// A small image of a view, from those of the layers.
+pub(crate) fn sum_of(thumbnails: &[Thumbnail], view: View) -> Vec<Rgb> {
+    let n_layers = thumbnails.len().saturating_sub(1);
+    let mut sum: Vec<Rgb> = Vec::new();
+    for thumbnail in view
+        .layers(n_layers)
+        .and_then(|range| thumbnails.get(range))
+        .into_iter()
+        .flatten()
+    {
+        sum.resize(thumbnail.pixels.len(), Rgb::BLACK);
+        for (s, p) in sum.iter_mut().zip(&thumbnail.pixels) {
+            *s += *p;
+        }
+    }
+    sum
 }
 
 impl Picture {
@@ -82,8 +106,12 @@ impl Picture {
         if link.version() == self.version {
             return false;
         }
-        link.read(|published| self.take(published));
-        if viewing.is_auto {
+        link.read(|published| {
+            self.take(published);
+            let region = link.region_of(published.generation);
+            self.region = region.map(|(_, crop)| *crop);
+        });
+        if viewing.is_auto && self.region.is_none() {
             viewing.exposure_ev = self.auto_exposure(viewing.part);
         }
         true
@@ -113,10 +141,20 @@ impl Picture {
         }
         let start = std::time::Instant::now();
         let mean = mean_of(&self.thumbnail(view));
+        if let Some(around) = &mut self.around {
+            around.compose(view);
+        }
+        let (around, planes) = (self.around.as_ref(), &self.planes);
         let version = link.read(|published| {
-            self.planes
-                .lock()
-                .put_view(Slot::Live, &published.film, view, mean);
+            let film = &published.film;
+            if let Some((camera, region)) = link.region_of(published.generation) {
+                let pieced = region::piece(around, film, camera, region, view);
+                let mean = pieced.mean.unwrap_or(mean);
+                let mut planes = planes.lock();
+                planes.put_with(Slot::Live, pieced.size, &pieced.pixels, mean);
+            } else {
+                planes.lock().put_view(Slot::Live, film, view, mean);
+            }
             published.version
         });
         self.composed = Some((version.min(self.version), view));
@@ -126,20 +164,65 @@ impl Picture {
     /// A small image of a view.
     #[must_use]
     pub fn thumbnail(&self, view: View) -> Vec<Rgb> {
-        let n_layers = self.thumbnails.len().saturating_sub(1);
-        let mut sum: Vec<Rgb> = Vec::new();
-        for thumbnail in view
-            .layers(n_layers)
-            .and_then(|range| self.thumbnails.get(range))
-            .into_iter()
-            .flatten()
-        {
-            sum.resize(thumbnail.pixels.len(), Rgb::BLACK);
-            for (s, p) in sum.iter_mut().zip(&thumbnail.pixels) {
-                *s += *p;
+        sum_of(&self.thumbnails, view)
+    }
+
+    /// A part of the film as it is shown; while a region is rendered, with the whole picture
+    /// around it.
+    #[must_use]
+    pub fn pixels(&self, link: &RenderLink, view: View) -> Pieced {
+        let around = self.around.as_ref();
+        link.read(|published| {
+            let film = &published.film;
+            if let Some((camera, region)) = link.region_of(published.generation) {
+                return region::piece(around, film, camera, region, view);
             }
-        }
-        sum
+            let mut pixels = vec![Rgb::BLACK; film.n_pixels()];
+            film.compose(view, &mut pixels);
+            Pieced {
+                size: (film.width(), film.height()),
+                pixels,
+                mean: None,
+            }
+        })
+    }
+
+    /// Keeps the whole picture, which `job` renders, while a region of it is rendered.
+    pub fn keep_around(&mut self, link: &RenderLink, job: Job) {
+        self.around = Some(link.read(|published| Around {
+            job,
+            film: published.film.clone(),
+            generation: published.generation,
+            divisor: published.divisor.max(1),
+            stats: published.stats,
+            shares: self.shares.clone(),
+            layer_errors: self.layer_errors.clone(),
+            thumbnails: self.thumbnails.clone(),
+            composed: None,
+        }));
+    }
+
+    /// Shows a part of the whole picture again as it was before the region. Yields how many
+    /// iterations it has.
+    pub fn put_back(&mut self, view: View) -> Option<u32> {
+        let around = self.around.as_ref()?;
+        let film = &around.film;
+        self.generation = around.generation;
+        self.divisor = around.divisor;
+        self.size = (film.width(), film.height());
+        self.n_layers = film.n_layers();
+        self.stats = around.stats;
+        self.shares.clone_from(&around.shares);
+        self.layer_errors.clone_from(&around.layer_errors);
+        self.thumbnails.clone_from(&around.thumbnails);
+        self.thumbnails_version = 0;
+        self.region = None;
+        let mean = mean_of(&self.thumbnail(view));
+        let mut planes = self.planes.lock();
+        planes.put_thumbnails(&self.thumbnails);
+        planes.put_view(Slot::Live, film, view, mean);
+        self.composed = Some((self.version, view));
+        Some(around.stats.n_iterations)
     }
 
     /// Exposure that suits a view.

@@ -18,6 +18,15 @@ pub struct Reading {
 }
 
 impl Reading {
+    /// What there is to say of a place outside the region that is rendered.
+    #[must_use]
+    pub fn outside_region(place: String) -> Self {
+        Self {
+            lines: vec![place, "outside the region".to_owned()],
+            bounces: Vec::new(),
+        }
+    }
+
     /// Reads the film at a share of its width and height; `divisor` is that of the ladder.
     #[must_use]
     pub fn of_film(film: &Film, part: Part, fraction: [f32; 2], divisor: usize) -> Self {

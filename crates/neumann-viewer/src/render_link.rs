@@ -7,11 +7,14 @@ use std::sync::Arc;
 
 use neumann_core::render::{Job, Published, RenderLoop, RenderSettings, StopRule, WorkerPool};
 use neumann_core::scene::Scene;
+use neumann_core::scene::description::{CameraDescription, Crop};
 
 /// The line to the renderer.
 pub struct RenderLink {
     end: End,
     started: Option<Job>,
+    /// Generations that render a region, and their cameras.
+    regions: Vec<(u64, CameraDescription)>,
     n_starts: u64,
     generation: u64,
     is_recording: bool,
@@ -57,6 +60,7 @@ impl RenderLink {
         Self {
             end,
             started: None,
+            regions: Vec::new(),
             n_starts: 0,
             generation: 0,
             is_recording: false,
@@ -74,10 +78,27 @@ impl RenderLink {
         };
         self.n_starts += 1;
         self.started = Some(job.clone());
+        let camera = job.settings.camera.clone();
+        let oldest = self.read(|published| published.generation);
         self.generation = match &self.end {
             End::Live(render_loop) => render_loop.start(job),
             End::Fixed { published, .. } => published.generation,
         };
+        let latest = self.generation;
+        let regions = &mut self.regions;
+        regions.retain(|(of, _)| (oldest..latest).contains(of));
+        if camera.crop.is_some() {
+            regions.push((latest, camera));
+        }
+    }
+
+    /// The region that a generation renders, and the camera with it; `None` where it renders the
+    /// whole picture.
+    #[must_use]
+    pub fn region_of(&self, generation: u64) -> Option<(&CameraDescription, &Crop)> {
+        let mut regions = self.regions.iter();
+        let (_, camera) = regions.find(|(of, _)| *of == generation)?;
+        Some((camera, camera.crop.as_ref()?))
     }
 
     /// Goes on with the same scene over a better tree.

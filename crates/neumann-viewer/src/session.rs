@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 
 use neumann_core::film::{Film, View as Part};
 use neumann_core::integrator::Method;
-use neumann_core::render::RenderSettings;
+use neumann_core::render::{Job, RenderSettings};
 use neumann_core::scene::Scene;
+use neumann_core::scene::description::Crop;
 use neumann_picture::exr_file::{IterationRanges, Metadata, camera_text};
 
 use crate::compared::{Measuring, Origin, SceneName};
@@ -17,7 +18,7 @@ use crate::display::ViewSettings;
 use crate::history::History;
 use crate::picture::Picture;
 use crate::render_link::RenderLink;
-use crate::setup::Setup;
+use crate::setup::{FilmSize, Setup};
 use crate::views::Needs;
 
 /// A render, and the film that comes of it.
@@ -46,6 +47,16 @@ struct Made {
     camera: String,
 }
 
+impl Made {
+    fn of(job: &Job) -> Self {
+        Self {
+            method: job.settings.method,
+            scene: Arc::clone(&job.scene),
+            camera: camera_text(&job.settings.camera),
+        }
+    }
+}
+
 /// The room for the film.
 struct Room {
     /// Size of a film that fits it.
@@ -55,11 +66,14 @@ struct Room {
     is_debounced: bool,
 }
 
-/// A picture that stays until the film of another size has caught up with it.
+/// A picture that stays until the film of another size, or the one after a region, has caught up
+/// with it.
 #[derive(Clone, Copy, Debug)]
 struct Kept {
     n_iterations: u32,
     part: Part,
+    /// A region was rendered, not a film of another size.
+    is_after_region: bool,
 }
 
 /// A film is made for a new size of the window when that has held this long.
@@ -103,6 +117,7 @@ impl Session {
         let (Some(settings), Some(open)) = (self.setup.settings(), &self.setup.open) else {
             return;
         };
+        let scene = Arc::clone(&open.scene);
         let is_only_resized = self.link.started().is_some_and(|job| {
             let size = (job.settings.width, job.settings.height);
             let is_resized = size != (settings.width, settings.height);
@@ -111,20 +126,77 @@ impl Session {
                 height: settings.height,
                 ..job.settings.clone()
             };
-            is_resized && resized == settings && Arc::ptr_eq(&job.scene, &open.scene)
+            is_resized && resized == settings && Arc::ptr_eq(&job.scene, &scene)
         });
         let is_kept = is_only_resized && self.room.is_debounced;
-        if !is_kept {
+        let is_whole = settings.camera.crop.is_none();
+        if !is_whole {
+            self.keep_around();
+        }
+        if is_whole && self.takes_up_around(&scene, &settings) {
+            self.made = self
+                .picture
+                .around
+                .as_ref()
+                .map(|around| Made::of(&around.job));
+            self.kept = self.picture.put_back(self.part).map(|n_iterations| Kept {
+                n_iterations,
+                part: self.part,
+                is_after_region: true,
+            });
+        } else if !is_kept {
             self.kept = None;
         } else if self.is_current() && self.picture.divisor == 1 {
             self.kept = Some(Kept {
                 n_iterations: self.picture.stats.n_iterations,
                 part: self.part,
+                is_after_region: false,
             });
         }
-        self.link
-            .start(Arc::clone(&open.scene), settings, self.setup.stop);
+        self.link.start(scene, settings, self.setup.stop);
         self.setup.is_changed = false;
+    }
+
+    /// Keeps the whole picture, if it is there, as a region of it is rendered next.
+    fn keep_around(&mut self) {
+        let is_of_region = |job: &Job| job.settings.camera.crop.is_some();
+        let is_there = self.kept.is_some_and(|kept| kept.is_after_region)
+            || self.link.started().is_some_and(is_of_region);
+        if !is_there {
+            let job = self.link.started().filter(|_| {
+                let published = self.link.read(|published| published.generation);
+                self.picture.is_there() && published == self.link.generation()
+            });
+            match job.cloned() {
+                Some(job) => self.picture.keep_around(&self.link, job),
+                None => self.picture.around = None,
+            }
+        }
+    }
+
+    /// True if the picture around a region is what is rendered next.
+    fn takes_up_around(&self, scene: &Arc<Scene>, settings: &RenderSettings) -> bool {
+        let is_of_region = |job: &Job| job.settings.camera.crop.is_some();
+        let ends = self.link.started().is_some_and(is_of_region);
+        let around = self.picture.around.as_ref();
+        let around = around.filter(|around| around.divisor == 1 && self.room.is_debounced);
+        let job = around.map(|around| &around.job);
+        ends && job.is_some_and(|job| Arc::ptr_eq(&job.scene, scene) && job.settings == *settings)
+    }
+
+    /// True once the picture is whole again after a region.
+    fn has_left_region(&self) -> bool {
+        let is_of_region = |job: &Job| job.settings.camera.crop.is_some();
+        let published = self.link.read(|published| published.generation);
+        self.kept.is_none()
+            && !self.link.started().is_some_and(is_of_region)
+            && self.link.region_of(published).is_none()
+    }
+
+    /// The region that is rendered, or that is shown yet.
+    #[must_use]
+    pub fn region(&self) -> Option<Crop> {
+        self.setup.region.or(self.picture.region)
     }
 
     /// Takes over what is new of the film, unless the picture is kept until more has come.
@@ -137,15 +209,20 @@ impl Session {
             self.kept = None;
             self.picture.refresh(&self.link, settings);
         }
+        if self.picture.around.is_some() && self.has_left_region() {
+            self.picture.around = None;
+        }
         if self.is_current()
             && let Some(job) = self.link.started()
         {
-            self.made = Some(Made {
-                method: job.settings.method,
-                scene: Arc::clone(&job.scene),
-                camera: camera_text(&job.settings.camera),
-            });
+            self.made = Some(Made::of(job));
         }
+    }
+
+    /// True if the picture is kept since a region of it was rendered.
+    #[must_use]
+    pub fn is_after_region(&self) -> bool {
+        self.kept.is_some_and(|kept| kept.is_after_region)
     }
 
     /// While the picture of another size is kept: iterations that are in the film, and those that
@@ -172,7 +249,9 @@ impl Session {
         let fitting = self.setup.size_for(room);
         let is_new = fitting != self.room.fitting;
         self.room.fitting = fitting;
-        if !self.can_fit() {
+        let is_region_kept =
+            self.setup.region.is_some() && self.setup.film_size == FilmSize::Window;
+        if !self.can_fit() || is_region_kept {
             self.room.changed = None;
             return None;
         }
@@ -221,6 +300,7 @@ impl Session {
     pub fn fit(&mut self) {
         if self.can_fit() {
             self.setup.size = self.room.fitting;
+            self.setup.region = None;
             self.setup.is_changed = true;
             self.room.changed = None;
         }
@@ -255,7 +335,11 @@ impl Session {
             && self.setup.size != (0, 0)
             && let Some(job) = self.link.started()
         {
-            return (job.settings.width, job.settings.height);
+            let whole = job.settings.camera.crop.map(|region| region.of.into());
+            return whole.unwrap_or((job.settings.width, job.settings.height));
+        }
+        if let Some(region) = self.picture.region {
+            return region.of.into();
         }
         let (w, h) = self.picture.size;
         (w * self.picture.divisor, h * self.picture.divisor)

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use neumann_core::film::DEFAULT_LAYERS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, Method, ParameterValues};
 use neumann_core::render::{RenderSettings, StopRule, lit};
-use neumann_core::scene::description::EnvironmentDescription;
+use neumann_core::scene::description::{Crop, EnvironmentDescription};
 use neumann_core::scene::{Appearance, Backs, BetterTree, Scene, Sky, SkyChoice};
 use neumann_picture::state::KeptView;
 
@@ -124,6 +124,8 @@ pub struct Setup {
     pub film_size: FilmSize,
     /// Size of the film.
     pub size: (usize, usize),
+    /// The part of the picture that is rendered alone.
+    pub region: Option<Crop>,
     /// Something has been changed since rendering was started last.
     pub is_changed: bool,
 }
@@ -170,6 +172,7 @@ impl Setup {
             stop: options.stop,
             film_size: FilmSize::of(options.size),
             size: (0, 0),
+            region: None,
             is_changed: false,
         };
         (setup, complaints)
@@ -196,6 +199,7 @@ impl Setup {
             .first()
             .map(|camera| CameraControl::new(camera.clone(), scene.subject()));
         self.sky = None;
+        self.region = None;
         self.views = Vec::new();
         self.view = None;
         self.open = Some(OpenScene {
@@ -411,6 +415,14 @@ impl Setup {
         self.dress(appearance);
     }
 
+    /// Renders a region of the picture alone, or all of it again.
+    pub fn choose_region(&mut self, region: Option<Crop>) {
+        if self.region != region {
+            self.region = region;
+            self.is_changed = true;
+        }
+    }
+
     /// What the renderer is told; `None` while there is no scene or no film.
     #[must_use]
     pub fn settings(&self) -> Option<RenderSettings> {
@@ -418,7 +430,11 @@ impl Setup {
         if self.size.0 == 0 || self.size.1 == 0 {
             return None;
         }
-        let mut settings = RenderSettings::new(control.camera().clone(), self.size.0, self.size.1);
+        let mut camera = control.camera().clone();
+        let (width, height) = self.size;
+        camera.crop = self.region.filter(|region| region.of == [width, height]);
+        let [width, height] = camera.crop.map_or([width, height], |region| region.size);
+        let mut settings = RenderSettings::new(camera, width, height);
         settings.method = self.method();
         settings.values = self.values[self.method].clone();
         settings.max_bounces = self.max_bounces;

@@ -3,8 +3,10 @@
 use egui::{Align2, FontId, Rect, Ui, Vec2, pos2};
 use neumann_core::render::StopRule;
 use neumann_core::scene::OpeningProgress;
+use neumann_core::scene::description::Crop;
 
 use crate::picture::Picture;
+use crate::region;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::significant;
 
@@ -20,6 +22,10 @@ pub struct Status<'a> {
     pub is_waiting: bool,
     /// Iterations of a film of another size, and those that the picture has, which stays meanwhile.
     pub catching_up: Option<(u32, u32)>,
+    /// It is kept since a region was rendered.
+    pub is_after_region: bool,
+    /// The region that is rendered.
+    pub region: Option<Crop>,
     /// The film would fit the window better in another size.
     pub can_fit: bool,
     /// How far a scene is that is being opened.
@@ -28,8 +34,8 @@ pub struct Status<'a> {
     pub bias: Option<&'a str>,
 }
 
-/// Draws the line into `rect`.
-pub fn show(ui: &mut Ui, rect: Rect, status: &Status<'_>) {
+/// Draws the line into `rect`; true if the region is to end.
+pub fn show(ui: &mut Ui, rect: Rect, status: &Status<'_>) -> bool {
     let p = Palette::of(ui);
     let painter = ui.painter_at(rect);
     theme::fill_panel(ui, rect);
@@ -44,6 +50,7 @@ pub fn show(ui: &mut Ui, rect: Rect, status: &Status<'_>) {
             value,
             unit,
             about,
+            ends_region,
         } = fact;
         let start = x;
         let mut width = 0.0;
@@ -66,7 +73,7 @@ pub fn show(ui: &mut Ui, rect: Rect, status: &Status<'_>) {
             painter.galley(at, galley, p.text);
         }
         let spot = Rect::from_x_y_ranges(start..=x, rect.y_range());
-        tips.push((spot, i, about));
+        tips.push((spot, i, about, ends_region));
         x += 1.5 * GRID;
         for part in [name, value, unit] {
             if !part.is_empty() {
@@ -81,12 +88,28 @@ pub fn show(ui: &mut Ui, rect: Rect, status: &Status<'_>) {
     }
     let response = ui.interact(rect, ui.scope_id().with("status"), egui::Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Status, true, spoken.trim_end()));
-    for (spot, i, about) in tips {
+    let mut ends = false;
+    for (spot, i, about, ends_region) in tips {
         let id = ui.scope_id().with(("fact", i));
-        ui.interact(spot, id, egui::Sense::hover())
-            .on_hover_text(about);
+        if !ends_region {
+            ui.interact(spot, id, egui::Sense::hover())
+                .on_hover_text(about);
+            continue;
+        }
+        let response = ui.interact(spot, id, egui::Sense::click());
+        let name = "End the region";
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+        let is_active = response.hovered() || response.has_focus();
+        let line = if is_active { p.weak } else { p.line };
+        let plate = Rect::from_x_y_ranges(spot.x_range().expand(4.0), spot.y_range());
+        painter.rect_stroke(plate.shrink2(Vec2::new(0.0, 3.0)), 4, (1.0, line), INSIDE);
+        ends |= response.clicked();
+        response.on_hover_text(about);
     }
+    ends
 }
+
+const INSIDE: egui::StrokeKind = egui::StrokeKind::Inside;
 
 /// A figure of the line.
 struct Fact {
@@ -95,6 +118,8 @@ struct Fact {
     unit: String,
     /// What it is, in a sentence.
     about: &'static str,
+    /// It is a button that ends the region.
+    ends_region: bool,
 }
 
 fn font() -> FontId {
@@ -108,6 +133,7 @@ fn facts(status: &Status<'_>) -> Vec<Fact> {
         value,
         unit: unit.to_owned(),
         about,
+        ends_region: false,
     };
     let mut facts = Vec::new();
     let picture = status.picture;
@@ -119,13 +145,28 @@ fn facts(status: &Status<'_>) -> Vec<Fact> {
         return facts;
     }
     let stats = &picture.stats;
+    if let Some(region) = &status.region {
+        let about = "Only this part of the picture is rendered; around it stands what was there \
+                     before. Press here, B or Esc to render all of it again.";
+        facts.push(Fact {
+            ends_region: true,
+            ..fact("region", region::words(region), "end", about)
+        });
+    }
     if status.is_paused {
         let about = "Rendering waits and keeps all samples; Space resumes it.";
         facts.push(fact("", "paused".to_owned(), "", about));
     } else if let Some((n, of)) = status.catching_up {
-        let about = "Iterations of the film of the new size; the old picture stays until it has \
-                     as many.";
-        facts.push(fact("new size", format!("{n} of {of}"), "", about));
+        let (name, about) = if status.is_after_region {
+            let about = "Iterations of the whole picture, which began anew after the region; the \
+                         old picture stays until it has as many.";
+            ("whole picture", about)
+        } else {
+            let about = "Iterations of the film of the new size; the old picture stays until it \
+                         has as many.";
+            ("new size", about)
+        };
+        facts.push(fact(name, format!("{n} of {of}"), "", about));
     } else if stats.is_done && !status.is_waiting {
         let about = "Rendering has ended, as 'Stop after' on the Method page asks.";
         facts.push(fact("", "done".to_owned(), "", about));
@@ -177,7 +218,10 @@ fn facts(status: &Status<'_>) -> Vec<Fact> {
     }
     let about = "Contributions that were left out, because they were not finite or negative.";
     facts.push(fact("refused", stats.n_refused.to_string(), "", about));
-    let size = format!("{} × {}", picture.size.0, picture.size.1);
+    let (width, height) = status
+        .region
+        .map_or(picture.size, |region| region.of.into());
+    let size = format!("{width} × {height}");
     let (unit, about) = if status.can_fit {
         let about = "Pixels of the film. It is shown scaled, as the window has another size; \
                      Shift Z begins a film that fits.";
@@ -266,6 +310,8 @@ mod tests {
             is_paused: false,
             is_waiting: false,
             catching_up: None,
+            is_after_region: false,
+            region: None,
             can_fit: true,
             opening: None,
             bias: None,

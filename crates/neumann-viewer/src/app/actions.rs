@@ -13,6 +13,7 @@ use crate::keys::Action;
 use crate::notices::Offer;
 use crate::panels::Page;
 use crate::pick;
+use crate::region::Drawing;
 use crate::save;
 use crate::scene_source::Wanted;
 use crate::shell::WindowRequest;
@@ -46,6 +47,7 @@ impl App {
                 self.session.link.pause(!is_paused);
             }
             Action::Restart => self.session.setup.is_changed = true,
+            Action::Region => self.begin_or_end_region(),
             Action::FitFilm => self.session.fit(),
             Action::FrameAll | Action::ResetCamera => self.move_camera(action),
             Action::Undo | Action::Redo => self.undo_or_redo(ctx, action),
@@ -101,6 +103,33 @@ impl App {
             Action::Quit => self.shell.requests.push(WindowRequest::Quit),
             _ => self.change_display(action),
         }
+    }
+
+    /// The next drag draws a region, unless there is one, which ends.
+    fn begin_or_end_region(&mut self) {
+        let setup = &mut self.session.setup;
+        let settings = &mut self.viewing.settings;
+        if settings.drawing.take().is_some() {
+            // It was to be drawn, and is no longer.
+        } else if setup.region.is_some() {
+            setup.choose_region(None);
+        } else if self.session.picture.is_there() {
+            settings.drawing = Some(Drawing::default());
+            self.viewing.views.close();
+        } else {
+            let text = "There is no picture yet to choose a region of";
+            self.shell.notices.failure(text);
+        }
+    }
+
+    /// True, with a notice, while only a region is rendered, which is not put aside.
+    fn is_held_back(&mut self) -> bool {
+        let is_region = self.session.region().is_some();
+        if is_region {
+            let text = "A region is rendered, and only a whole picture can be held; B ends it";
+            self.shell.notices.failure(text);
+        }
+        is_region
     }
 
     /// Copies the command that renders what is shown; says what it leaves out.
@@ -209,6 +238,10 @@ impl App {
     }
 
     fn change_display(&mut self, action: Action) {
+        let is_hold = matches!(action, Action::HoldA | Action::HoldB | Action::Wipe);
+        if is_hold && self.is_held_back() {
+            return;
+        }
         let viewing = &mut self.viewing.settings;
         match action {
             Action::Exposure(thirds) => {
@@ -276,7 +309,9 @@ impl App {
 
     /// Closes the uppermost thing over the picture.
     fn escape(&mut self, ctx: &Context) {
-        if self.shell.had_focus {
+        if self.viewing.settings.drawing.take().is_some() {
+            // No region is drawn.
+        } else if self.shell.had_focus {
             if let Some(id) = ctx.memory(|m| m.focused()) {
                 ctx.memory_mut(|m| m.surrender_focus(id));
             }
@@ -288,6 +323,8 @@ impl App {
             self.shell.is_menu_open = false;
         } else if self.shell.notices.close_newest() || self.viewing.views.step_back() {
             // That was it.
+        } else if self.session.setup.region.is_some() {
+            self.session.setup.choose_region(None);
         } else if self.viewing.settings.is_wiping || self.viewing.settings.difference.is_some() {
             self.viewing.settings.is_wiping = false;
             self.viewing.settings.difference = None;

@@ -330,7 +330,7 @@ impl App {
         }
     }
 
-    fn status_line(&self, ui: &mut Ui, rect: Rect) {
+    fn status_line(&mut self, ui: &mut Ui, rect: Rect) {
         let session = &self.session;
         let status = Status {
             picture: &session.picture,
@@ -338,10 +338,14 @@ impl App {
             is_paused: session.link.is_paused(),
             is_waiting: !session.is_current(),
             catching_up: session.catching_up(),
+            is_after_region: session.is_after_region(),
+            region: session.setup.region,
             can_fit: session.can_fit(),
             opening: self.loading.as_ref().map(|l| &l.progress),
             bias: session.bias(),
         };
-        status::show(ui, rect, &status);
+        if status::show(ui, rect, &status) {
+            self.session.setup.choose_region(None);
+        }
     }
 }

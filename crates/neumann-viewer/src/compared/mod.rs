@@ -56,6 +56,11 @@ impl Compared {
         let live = |name: &str| Side::live(name, session, settings.part);
         let held = |which: usize| Side::held(which, session);
         let right = || held(1).unwrap_or_else(|| live("B (live)"));
+        let is_wanted = settings.is_wiping || settings.difference.is_some();
+        if is_wanted && session.region().is_some() {
+            let why = "No comparison while a region is rendered; B ends it";
+            return Self::Refused(why.to_owned());
+        }
         match settings.difference {
             Some(Against::Reference) => Self::to_reference(live("picture"), session),
             Some(Against::Held) => held(0).map_or(Self::Nothing, |left| {
@@ -211,12 +216,8 @@ impl Side {
             Slot::Live | Slot::Thumbnails => None,
         };
         let (size, pixels) = there.unwrap_or_else(|| {
-            session.link.read(|published| {
-                let film = &published.film;
-                let mut pixels = vec![Rgb::BLACK; film.width() * film.height()];
-                film.compose(self.part, &mut pixels);
-                ((film.width(), film.height()), Arc::new(pixels))
-            })
+            let pieced = picture.pixels(&session.link, self.part);
+            (pieced.size, Arc::new(pieced.pixels))
         });
         Pixels { size, pixels }
     }
@@ -224,7 +225,7 @@ impl Side {
     /// Its radiance at a share of its width and height.
     #[must_use]
     pub fn radiance(&self, session: &Session, fraction: [f32; 2]) -> Rgb {
-        if self.slot != Slot::Live {
+        if self.slot != Slot::Live || session.region().is_some() {
             return self.pixels(session).at(fraction);
         }
         session.link.read(|published| {

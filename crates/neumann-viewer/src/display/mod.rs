@@ -16,6 +16,7 @@ use neumann_picture::false_colour::{ColourMap, diverging};
 use neumann_picture::sheet::Scale;
 use neumann_picture::tone::{Display, ToneCurve};
 
+use crate::region::Drawing;
 use crate::widgets::significant;
 
 /// What a difference is taken to.
@@ -56,6 +57,8 @@ pub struct ViewSettings {
     pub difference: Option<Against>,
     /// What the pixel under the pointer holds stands on the picture.
     pub is_probing: bool,
+    /// The next drag draws a region.
+    pub drawing: Option<Drawing>,
 }
 
 impl Default for ViewSettings {
@@ -74,6 +77,7 @@ impl Default for ViewSettings {
             wipe: 0.5,
             difference: None,
             is_probing: true,
+            drawing: None,
         }
     }
 }

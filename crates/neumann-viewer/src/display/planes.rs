@@ -67,11 +67,16 @@ impl Planes {
         plane.fill(width, height, &self.sum, mean);
     }
 
+    /// Puts a picture into a slot; `mean` is about its mean radiance.
+    pub fn put_with(&mut self, slot: Slot, size: (usize, usize), pixels: &[Rgb], mean: f32) {
+        self.planes[slot as usize].fill(size.0, size.1, pixels, mean);
+    }
+
     /// Puts a picture into a slot.
     pub fn put(&mut self, slot: Slot, width: usize, height: usize, pixels: &[Rgb]) {
         let n = pixels.len().max(1) as f32;
         let mean = pixels.iter().map(|p| p.mean()).sum::<f32>() / n;
-        self.planes[slot as usize].fill(width, height, pixels, mean);
+        self.put_with(slot, (width, height), pixels, mean);
     }
 
     /// Puts the thumbnails of terms, and of their partial sums, into their slot.

@@ -1,6 +1,6 @@
 //! The numbers in the pixels, when they are magnified enough to hold them.
 
-use egui::{Align2, Color32, Painter, pos2};
+use egui::{Align2, Color32, Painter, Rect, pos2};
 use neumann_core::film::{Film, View};
 
 use super::image_area::Placement;
@@ -10,20 +10,22 @@ use crate::widgets::significant;
 /// Smallest edge of a pixel, points, that holds three numbers.
 const EDGE: f32 = 44.0;
 
-/// Writes red, green and blue of the view into each pixel that is large enough.
-pub fn show(painter: &Painter, placement: &Placement, film: &Film, view: View, exposure: f32) {
+/// Writes red, green and blue of the view into each pixel of the film that is large enough, and
+/// in `visible`. The film stands at `place`.
+pub fn show(painter: &Painter, place: Rect, visible: Rect, film: &Film, view: View, exposure: f32) {
     let size = (film.width(), film.height());
-    let edge = placement.film.width() / size.0 as f32;
-    if edge < EDGE {
+    let visible = visible.intersect(place);
+    let edge = place.width() / size.0 as f32;
+    if edge < EDGE || !visible.is_positive() {
         return;
     }
     let corner = |at: egui::Pos2| {
-        let f = (at - placement.film.min) / placement.film.size();
+        let f = (at - place.min) / place.size();
         Placement::pixel([f.x.max(0.0), f.y.max(0.0)], size)
     };
-    let (x0, y0) = corner(placement.visible.min);
-    let (x1, y1) = corner(placement.visible.max);
-    let painter = painter.with_clip_rect(placement.visible);
+    let (x0, y0) = corner(visible.min);
+    let (x1, y1) = corner(visible.max);
+    let painter = painter.with_clip_rect(visible);
     for y in y0..=y1 {
         for x in x0..=x1 {
             let value = film.radiance(view, y * size.0 + x);
@@ -34,8 +36,8 @@ pub fn show(painter: &Painter, placement: &Placement, film: &Film, view: View, e
                 Color32::from_gray(224)
             };
             let center = pos2(
-                placement.film.left() + (x as f32 + 0.5) * edge,
-                placement.film.top() + (y as f32 + 0.5) * edge,
+                place.left() + (x as f32 + 0.5) * edge,
+                place.top() + (y as f32 + 0.5) * edge,
             );
             for (channel, line) in value.to_array().into_iter().zip([-1.0, 0.0, 1.0]) {
                 painter.text(

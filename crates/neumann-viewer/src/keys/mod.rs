@@ -58,6 +58,8 @@ pub enum Action {
     Zoom(i32),
     /// Show the whole picture.
     ZoomFit,
+    /// The next drag draws a region that is rendered alone; or the whole picture again.
+    Region,
     /// A film of the size that fits the window.
     FitFilm,
     /// Hold the present picture as A.

@@ -131,6 +131,12 @@ pub static HELP: &[HelpLine] = &[
     ),
     line(
         RENDERING,
+        "B",
+        "drag a region to render alone; end it",
+        &[on(NONE, Key::B, Action::Region)],
+    ),
+    line(
+        RENDERING,
         "Ctrl Z  Ctrl Y",
         "undo, redo (or Ctrl Shift Z)",
         &[

@@ -3,6 +3,7 @@
 use egui::Ui;
 
 use crate::keys::Action;
+use crate::region;
 use crate::session::Session;
 use crate::setup::{FilmSize, Setup, name_or};
 use crate::shell::Shell;
@@ -155,6 +156,27 @@ fn kept_views(ui: &mut Ui, setup: &mut Setup, shell: &mut Shell) {
     }
 }
 
+/// The part of the picture that is rendered alone.
+fn region(ui: &mut Ui, session: &Session, shell: &mut Shell) {
+    let region = session.setup.region;
+    if let Some(region) = &region {
+        let [x, y] = region.at;
+        let text = format!("{} at {x}, {y}", region::words(region));
+        fact(ui, "Region", &text);
+    }
+    let (name, about) = if region.is_some() {
+        ("End region", "Renders the whole picture again (B).")
+    } else {
+        (
+            "Draw region",
+            "The next drag on the picture draws a rectangle that is rendered alone (B).",
+        )
+    };
+    if button(ui, name).on_hover_text(about).clicked() {
+        shell.act(ui.ctx(), Action::Region);
+    }
+}
+
 /// The size of the film, and where it comes from.
 fn film(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     rule(ui);
@@ -204,6 +226,7 @@ fn film(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
     if is_fixed && setup.film_size != before {
         setup.is_changed = true;
     }
+    region(ui, session, shell);
     let can_fit = !is_fixed && session.can_fit();
     ui.add_enabled_ui(can_fit, |ui| {
         let about = "Begins a film as large as the window (Shift Z). The old picture stays until \

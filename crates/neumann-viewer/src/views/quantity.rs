@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use egui::{Align2, Color32, Context, Pos2, Rect, TextureHandle, Ui, pos2};
 use neumann_core::film::View as Part;
 use neumann_core::film::{Features, SampleMap};
+use neumann_core::scene::description::Crop;
 use neumann_picture::quantity::{Quantity, QuantityLook, QuantityPlane};
 use neumann_picture::sheet::{PictureSheet, picture_sheet};
 
@@ -15,6 +16,7 @@ use crate::display::image_area::Placement;
 use crate::display::{ViewSettings, legend};
 use crate::panels::Page;
 use crate::probe::Reading;
+use crate::region;
 use crate::session::Session;
 use crate::theme::{self, Palette};
 
@@ -96,6 +98,8 @@ struct Taken {
     plane: Arc<QuantityPlane>,
     fact: String,
     of: Source,
+    /// Where it lies in the whole picture, if it is of a region alone.
+    region: Option<Crop>,
 }
 
 enum Source {
@@ -125,11 +129,12 @@ impl QuantityView {
         }
     }
 
-    fn take(&mut self, plane: QuantityPlane, of: Source) {
+    fn take(&mut self, plane: QuantityPlane, of: Source, region: Option<Crop>) {
         self.taken = Some(Taken {
             fact: plane.fact(),
             plane: Arc::new(plane),
             of,
+            region,
         });
     }
 
@@ -141,7 +146,7 @@ impl QuantityView {
             Some(Source::Features(old)) if Arc::ptr_eq(old, &features)
         );
         if !is_old && let Some(plane) = QuantityPlane::of_features(self.quantity, &features) {
-            self.take(plane, Source::Features(features));
+            self.take(plane, Source::Features(features), session.picture.region);
         }
     }
 
@@ -156,6 +161,7 @@ impl QuantityView {
             self.take(
                 QuantityPlane::of_samples(&samples),
                 Source::Samples(samples),
+                session.picture.region,
             );
         }
     }
@@ -177,7 +183,7 @@ impl QuantityView {
                 .read(|published| QuantityPlane::of_errors(&published.film))
         };
         match is_known.then(of_film).flatten() {
-            Some(plane) => self.take(plane, Source::Film),
+            Some(plane) => self.take(plane, Source::Film, session.picture.region),
             None => self.taken = None,
         }
     }
@@ -261,16 +267,17 @@ impl View for QuantityView {
         self.paint(ui.ctx(), look);
         let rect = stage.rect;
         let painter = ui.painter().with_clip_rect(rect);
-        let (Some(painted), Some(fact)) = (&self.painted, fact) else {
+        let (Some(painted), Some(fact), Some(taken)) = (&self.painted, fact, &self.taken) else {
             picture::fill_around(ui, rect, Rect::NOTHING, p.ground);
             let at = rect.center();
             let text = self.waiting();
             painter.text(at, Align2::CENTER_CENTER, text, theme::body(), p.weak);
             return None;
         };
-        picture::fill_around(ui, rect, placement.visible, p.ground);
+        let place = region::rect(&placement, taken.region.as_ref());
+        picture::fill_around(ui, rect, place.intersect(rect), p.ground);
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        painter.image(painted.texture.id(), placement.film, whole, Color32::WHITE);
+        painter.image(painted.texture.id(), place, whole, Color32::WHITE);
         let facts = [fact, String::new()];
         stage.caption = plate::show(&painter, rect, caption, facts, &p);
         legend::show(&painter, rect, &painted.of.scale(&look), &p);
@@ -278,11 +285,14 @@ impl View for QuantityView {
     }
 
     fn probe(&self, at: Pos2, stage: &Stage<'_>) -> Option<Reading> {
-        let plane = &self.taken.as_ref()?.plane;
+        let Taken { plane, region, .. } = self.taken.as_ref()?;
         let placement = stage.placement.as_ref()?;
         let fraction = placement.fraction(at)?;
         let (x, y) = Placement::pixel(fraction, placement.size);
         let mut lines = vec![format!("x {x}  y {y}")];
+        let Some(fraction) = region::share(region.as_ref(), fraction) else {
+            return Some(Reading::outside_region(lines.remove(0)));
+        };
         let (x, y) = Placement::pixel(fraction, plane.size);
         lines.extend(plane.words(x, y));
         Some(Reading {

@@ -16,7 +16,7 @@ use neumann_viewer::history::MOST_STEPS;
 use neumann_viewer::panels::Page;
 use neumann_viewer::pick::Picked;
 
-use crate::{click, harness, press, wait};
+use crate::{click, drag, harness, press, wait};
 
 /// The window on the built-in scene `sky`, with a lamp.
 fn sky(size: [f32; 2]) -> Harness<'static, App> {
@@ -62,21 +62,6 @@ fn undo(harness: &mut Harness<'_, App>) {
 
 fn redo(harness: &mut Harness<'_, App>) {
     with(harness, Modifiers::COMMAND, Key::Y);
-}
-
-/// Presses at the first place, goes to each of the others, and lets go.
-fn drag(harness: &mut Harness<'_, App>, way: &[Pos2], mut look: impl FnMut(&Harness<'_, App>)) {
-    harness.hover_at(way[0]);
-    harness.run_steps(1);
-    harness.drag_at(way[0]);
-    harness.run_steps(1);
-    for at in way {
-        harness.hover_at(*at);
-        harness.run_steps(1);
-        look(harness);
-    }
-    harness.drop_at(*way.last().expect("a way"));
-    harness.run_steps(2);
 }
 
 fn click_at(harness: &mut Harness<'_, App>, at: Pos2, modifiers: Modifiers) {

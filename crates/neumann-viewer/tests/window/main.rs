@@ -9,13 +9,14 @@ mod files;
 mod film;
 mod histogram;
 mod kept_views;
+mod region;
 mod series;
 #[path = "../support/mod.rs"]
 mod support;
 mod views;
 mod words;
 
-use egui::{Key, Theme};
+use egui::{Key, Pos2, Theme};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use neumann_viewer::app::App;
@@ -44,6 +45,21 @@ fn press(harness: &mut Harness<'_, App>, key: Key) {
 fn click(harness: &mut Harness<'_, App>, label: &str) {
     harness.get_by_label(label).click();
     harness.run_steps(3);
+}
+
+/// Presses at the first place, goes to each of the others, and lets go.
+fn drag(harness: &mut Harness<'_, App>, way: &[Pos2], mut look: impl FnMut(&Harness<'_, App>)) {
+    harness.hover_at(way[0]);
+    harness.run_steps(1);
+    harness.drag_at(way[0]);
+    harness.run_steps(1);
+    for at in way {
+        harness.hover_at(*at);
+        harness.run_steps(1);
+        look(harness);
+    }
+    harness.drop_at(*way.last().expect("a way"));
+    harness.run_steps(2);
 }
 
 fn wait(harness: &mut Harness<'_, App>, is_done: impl Fn(&App) -> bool) {

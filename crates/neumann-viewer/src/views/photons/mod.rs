@@ -11,6 +11,7 @@ use std::sync::Arc;
 use egui::{Align2, Color32, Context, Key, Pos2, Rect, TextureHandle, Ui, pos2};
 use neumann_core::integrator::methods_with_photons;
 use neumann_core::photons::PhotonPicture;
+use neumann_core::scene::description::Crop;
 use neumann_picture::photons::{PhotonColours, PhotonLook, PowerScale, facts};
 use neumann_picture::sheet::photon_sheet;
 
@@ -21,6 +22,7 @@ use crate::display::image_area::Placement;
 use crate::keys::{self, Action};
 use crate::panels::Page;
 use crate::probe::Reading;
+use crate::region;
 use crate::session::Session;
 use crate::theme::{self, Palette};
 
@@ -74,6 +76,8 @@ struct Taken {
     picture: Arc<PhotonPicture>,
     scale: PowerScale,
     facts: [String; 4],
+    /// Where it lies in the whole picture, if it is of a region alone.
+    region: Option<Crop>,
 }
 
 /// Photons on a texture, and their legend.
@@ -149,6 +153,7 @@ impl View for PhotonView {
             self.photons = Some(Taken {
                 scale: PowerScale::of(&picture),
                 facts: facts(&picture),
+                region: session.picture.region,
                 picture,
             });
         }
@@ -176,9 +181,11 @@ impl View for PhotonView {
             painter.text(at, Align2::CENTER_CENTER, text, theme::body(), p.weak);
             return None;
         };
-        picture::fill_around(ui, rect, placement.visible, p.ground);
+        let region = self.photons.as_ref().and_then(|taken| taken.region);
+        let place = region::rect(&placement, region.as_ref());
+        picture::fill_around(ui, rect, place.intersect(rect), p.ground);
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        painter.image(painted.texture.id(), placement.film, whole, Color32::WHITE);
+        painter.image(painted.texture.id(), place, whole, Color32::WHITE);
         if let Some(facts) = &facts {
             // Where there is no room for all, how many there are is left to the status line.
             let lines = [facts.join(" · "), facts[2..].join(" · ")];
@@ -192,12 +199,18 @@ impl View for PhotonView {
     }
 
     fn probe(&self, at: Pos2, stage: &Stage<'_>) -> Option<Reading> {
-        let picture = &self.photons.as_ref()?.picture;
+        let Taken {
+            picture, region, ..
+        } = self.photons.as_ref()?;
         let fraction = stage.placement.as_ref()?.fraction(at)?;
         let size = (picture.width(), picture.height());
-        let (x, y) = Placement::pixel(fraction, size);
-        let look = self.look(stage.session, stage.settings);
         let full = Placement::pixel(fraction, stage.placement.as_ref()?.size);
+        let Some(share) = region::share(region.as_ref(), fraction) else {
+            let (x, y) = full;
+            return Some(Reading::outside_region(format!("x {x}  y {y}")));
+        };
+        let (x, y) = Placement::pixel(share, size);
+        let look = self.look(stage.session, stage.settings);
         Some(words::reading(
             picture.of_pixel(y * size.0 + x),
             full,

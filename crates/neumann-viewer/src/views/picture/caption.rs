@@ -8,6 +8,7 @@ use crate::blind_spots;
 use crate::compared::Compared;
 use crate::display::ViewSettings;
 use crate::formula::Formula;
+use crate::region;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
 
@@ -34,6 +35,17 @@ impl Caption {
                 is_compared: true,
             };
         }
+        let region = session.region().map(|region| {
+            let [x, y] = region.at;
+            let size = region::words(&region);
+            format!("region {size} at {x}, {y}")
+        });
+        let drawing = settings
+            .drawing
+            .map(|drawing| match drawing.region(session.setup.size) {
+                Some(drawn) => region::words(&drawn),
+                None => "drag a rectangle to render it alone; Esc leaves".to_owned(),
+            });
         let is_kept = part.layers(session.picture.n_layers).is_some();
         let refusal = match compared {
             Compared::Refused(why) => Some(why.clone()),
@@ -48,6 +60,8 @@ impl Caption {
             },
             notes: refusal
                 .into_iter()
+                .chain(drawing)
+                .chain(region)
                 .chain(blind_spots_of(session, part))
                 .collect(),
             is_compared: false,

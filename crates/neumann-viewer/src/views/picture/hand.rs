@@ -25,6 +25,10 @@ pub(super) fn take_pointer(
         image_area::zoom(stage.settings, placement, magnify, anchor);
         return;
     }
+    if stage.settings.drawing.is_some() {
+        draw_region(ui, response, placement, stage);
+        return;
+    }
     if response.double_clicked() {
         stage.settings.zoom = None;
     }
@@ -69,6 +73,35 @@ pub(super) fn take_pointer(
     if pointer.is_some() && wheel.abs() > 0.0 {
         control.dolly((-wheel * 0.002).exp());
         setup.is_changed = true;
+    }
+}
+
+/// Draws the rectangle of a region; it is rendered alone once the pointer lets go.
+fn draw_region(ui: &Ui, response: &Response, placement: &Placement, stage: &mut Stage<'_>) {
+    let ctx = ui.ctx();
+    if response.hovered() || response.dragged() {
+        ctx.set_cursor_icon(CursorIcon::Crosshair);
+    }
+    let share = |at: Pos2| <[f32; 2]>::from((at - placement.film.min) / placement.film.size());
+    let Some(drawing) = &mut stage.settings.drawing else {
+        return;
+    };
+    if response.drag_started_by(PointerButton::Primary) {
+        let pressed = ctx.input(|i| i.pointer.press_origin());
+        drawing.corners = pressed.map(|at| [share(at); 2]);
+    }
+    if let (Some(corners), Some(at)) = (&mut drawing.corners, response.interact_pointer_pos()) {
+        corners[1] = share(at);
+    }
+    if response.drag_stopped_by(PointerButton::Primary) {
+        let setup = &mut stage.session.setup;
+        if let Some(region) = drawing.region(setup.size) {
+            setup.choose_region(Some(region));
+            stage.settings.drawing = None;
+        } else {
+            drawing.corners = None;
+        }
+        ctx.request_repaint();
     }
 }
 

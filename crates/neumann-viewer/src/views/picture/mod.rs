@@ -1,6 +1,7 @@
 //! The picture: a part of the film, with caption, pixel values, wipe, and the hand on the camera.
 
 mod caption;
+mod frame;
 mod hand;
 mod probed;
 mod shown;
@@ -17,6 +18,7 @@ use crate::display::image_area::{self, Pictures, Placement};
 use crate::display::{Against, Slot, ViewSettings, ground, legend, values};
 use crate::panels::Page;
 use crate::probe::Reading;
+use crate::region;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
 
@@ -68,12 +70,22 @@ impl View for PictureView {
             let exposure = settings.exposure_ev.exp2();
             session.link.read(|published| {
                 let film = &published.film;
-                values::show(&painter, &placement, film, settings.part, exposure);
+                let region = session.link.region_of(published.generation);
+                let place = region::rect(&placement, region.map(|(_, region)| region));
+                values::show(
+                    &painter,
+                    place,
+                    placement.visible,
+                    film,
+                    settings.part,
+                    exposure,
+                );
             });
         }
         if let Compared::Wipe(sides) = &compared {
             wipe::show(ui, rect, &placement, sides, settings);
         }
+        frame::show(&painter, &placement, session, settings, &p);
         stage.caption = caption.show(&painter, rect, &p);
         let is_difference = matches!(compared, Compared::Difference(_));
         if settings.is_false_colour || is_difference {

@@ -6,6 +6,7 @@ use crate::compared::{Compared, Side};
 use crate::display::image_area::Placement;
 use crate::display::{Slot, ViewSettings};
 use crate::probe::Reading;
+use crate::region;
 use crate::session::Session;
 use crate::widgets::significant;
 
@@ -26,7 +27,20 @@ pub fn read(session: &Session, settings: &ViewSettings, fraction: [f32; 2]) -> R
 fn of_live(session: &Session, settings: &ViewSettings, fraction: [f32; 2]) -> Reading {
     session.link.read(|published| {
         let divisor = published.divisor.max(1);
-        Reading::of_film(&published.film, settings.part, fraction, divisor)
+        let film = &published.film;
+        let Some((_, region)) = session.link.region_of(published.generation) else {
+            return Reading::of_film(film, settings.part, fraction, divisor);
+        };
+        let (x, y) = Placement::pixel(fraction, region.of.into());
+        let place = format!("x {x}  y {y}");
+        match region::within(region, fraction) {
+            Some(share) => {
+                let mut reading = Reading::of_film(film, settings.part, share, divisor);
+                reading.lines[0] = place;
+                reading
+            }
+            None => Reading::outside_region(place),
+        }
     })
 }
 

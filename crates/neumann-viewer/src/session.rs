@@ -184,6 +184,18 @@ impl Session {
         ends && job.is_some_and(|job| Arc::ptr_eq(&job.scene, scene) && job.settings == *settings)
     }
 
+    /// True if a region has just been ended, and the picture around it is gone back to.
+    fn goes_back(&self) -> bool {
+        let setup = &self.setup;
+        let (Some(open), Some(settings)) = (&setup.open, setup.settings()) else {
+            return false;
+        };
+        setup.is_changed
+            && setup.region.is_none()
+            && setup.film_size == FilmSize::Window
+            && self.takes_up_around(&open.scene, &settings)
+    }
+
     /// True once the picture is whole again after a region.
     fn has_left_region(&self) -> bool {
         let is_of_region = |job: &Job| job.settings.camera.crop.is_some();
@@ -251,7 +263,7 @@ impl Session {
         self.room.fitting = fitting;
         let is_region_kept =
             self.setup.region.is_some() && self.setup.film_size == FilmSize::Window;
-        if !self.can_fit() || is_region_kept {
+        if !self.can_fit() || is_region_kept || self.goes_back() {
             self.room.changed = None;
             return None;
         }

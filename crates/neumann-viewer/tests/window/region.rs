@@ -34,18 +34,22 @@ fn is_full(app: &App, n: u32) -> bool {
     session.is_current() && session.picture.divisor == 1 && n_iterations(app) >= n
 }
 
-/// The window on cornell while it renders.
-fn live(size: [f32; 2]) -> Harness<'static, App> {
+/// The window on cornell while it renders a film of a fixed size.
+fn live(window: [f32; 2]) -> Harness<'static, App> {
+    live_with(window, Some((SIDE, SIDE)))
+}
+
+fn live_with(window: [f32; 2], size: Option<(usize, usize)>) -> Harness<'static, App> {
     let link = RenderLink::live(Some(1), || {}).expect("a thread");
     let options = ViewOptions {
-        size: Some((SIDE, SIDE)),
+        size,
         ..ViewOptions::default()
     };
     let mut app = app_on(link, options);
     let cornell = builtin("cornell").expect("a built-in scene");
     let cornell = cornell.load().expect("a scene as it comes");
     app.take_scene("cornell".to_owned(), Arc::new(Scene::build(&cornell)));
-    let mut harness = harness_of(size, app);
+    let mut harness = harness_of(window, app);
     wait(&mut harness, |app| is_full(app, 4));
     harness
 }
@@ -171,6 +175,27 @@ fn a_region_begins_with_the_picture_and_ends_with_it() {
     assert_eq!(session.picture.size, (SIDE, SIDE));
     assert!(session.picture.around.is_none(), "its memory is given back");
     assert!(session.region().is_none());
+}
+
+#[test]
+fn a_window_of_another_size_keeps_the_region_and_the_film() {
+    let mut harness = live_with([640.0, 420.0], None);
+    press(&mut harness, Key::B);
+    draw(&mut harness);
+    let size = harness.state().session.setup.size;
+    let region = harness.state().session.setup.region;
+    assert!(region.is_some());
+    harness.set_size(vec2(720.0, 460.0));
+    harness.run_steps(3);
+    wait(&mut harness, |app| is_full(app, 2));
+    harness.state_mut().session.link.pause(true);
+    harness.run_steps(2);
+    assert!(harness.state().session.can_fit());
+    assert_eq!(harness.state().session.setup.region, region);
+    press(&mut harness, Key::B);
+    let session = &harness.state().session;
+    assert_eq!((session.setup.region, session.setup.size), (None, size));
+    assert!(session.is_after_region() && session.catching_up().is_some());
 }
 
 #[test]

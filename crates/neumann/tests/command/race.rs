@@ -18,8 +18,7 @@ fn methods_race_and_their_errors_are_those_of_compare() {
         let curve = racer["curve"].as_array().unwrap();
         assert!(curve.len() > 3, "{racer}");
         let last = curve.last().unwrap();
-        let compared =
-            folder.succeed(&format!("compare out/{file} race.reference.exr --json"));
+        let compared = folder.succeed(&format!("compare out/{file} race.reference.exr --json"));
         let compared: Value = serde_json::from_str(&compared).unwrap();
         for error in ["rel_mse", "flip"] {
             assert_eq!(last[error], compared[error], "{error} of {file}");
@@ -49,12 +48,27 @@ fn a_race_that_cannot_be_held_is_refused() {
         assert!(stderr.contains(words), "{line}: {stderr}");
     };
     refused("race cornell pt-nee -o a.png", "METHOD");
-    refused("race cornell pt-nee pt-mos -o a.png", "no integrator 'pt-mos'");
-    refused("race cornell pt-nee pt-nee -o a.png", "pt-nee: is named twice");
-    refused("race cornell pt-nee pt-mis:roulette -o a.png", "is no NAME=VALUE");
+    refused(
+        "race cornell pt-nee pt-mos -o a.png",
+        "no integrator 'pt-mos'",
+    );
+    refused(
+        "race cornell pt-nee pt-nee -o a.png",
+        "pt-nee: is named twice",
+    );
+    refused(
+        "race cornell pt-nee pt-mis:roulette -o a.png",
+        "is no NAME=VALUE",
+    );
     refused("race cornell pt-nee pt-mis:rulette=on -o a.png", "rulette");
-    refused("race cornell pt-nee pt-mis --set roulette=on -o a.png", "--set:");
-    refused("race cornell pt-nee pt-mis -o a.exr", "a.exr: the sheet is a .png");
+    refused(
+        "race cornell pt-nee pt-mis --set roulette=on -o a.png",
+        "--set:",
+    );
+    refused(
+        "race cornell pt-nee pt-mis -o a.exr",
+        "a.exr: the sheet is a .png",
+    );
     folder.succeed("render cornell --size 16x16 --iterations 1 -o r.png");
     refused(
         "race cornell pt-nee pt-mis --size 32x32 --reference r.png -o a.png",

@@ -2,17 +2,33 @@
 //! that they are on.
 
 use egui::{
-    Color32, ColorImage, Context, Painter, Rect, TextureFilter, TextureHandle, TextureOptions, Vec2,
+    Color32, ColorImage, Context, Painter, Pos2, Rect, TextureFilter, TextureHandle,
+    TextureOptions, Vec2,
 };
 use neumann_picture::png_file::Pixels8;
 
 use crate::theme::{self, GRID, Palette};
 
+/// Where text of a width begins in the upper left corner of an area. It does not lie across the
+/// left edge of the picture, at `edge`, where that is near: it begins beyond it.
+pub(super) fn corner(area: Rect, edge: f32, width: f32) -> Pos2 {
+    let at = area.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
+    let is_near = edge - area.left() < 6.0 * GRID;
+    let is_across = at.x - GRID < edge && edge < at.x + width + GRID;
+    let beyond = edge + 2.0 * GRID;
+    if is_near && is_across && beyond + width + GRID <= area.right() {
+        Pos2::new(beyond, at.y)
+    } else {
+        at
+    }
+}
+
 /// What is shown, and a line of facts, in the upper left corner of `rect`; the second of the two
-/// where there is no room for the first. Yields what it covers.
+/// where there is no room for the first. The picture begins at `edge`. Yields what it covers.
 pub(super) fn show(
     painter: &Painter,
     rect: Rect,
+    edge: f32,
     caption: &str,
     facts: [String; 2],
     p: &Palette,
@@ -27,9 +43,9 @@ pub(super) fn show(
     } else {
         all
     };
-    let at = rect.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
     let below = caption.size().y + 2.0;
     let size = Vec2::new(caption.size().x.max(facts.size().x), below + facts.size().y);
+    let at = corner(rect, edge, size.x);
     let spot = Rect::from_min_size(at, size);
     let plate = spot.expand2(Vec2::new(GRID, 6.0));
     painter.rect_filled(plate, 6, ground(p));
@@ -69,3 +85,20 @@ const SQUARES: TextureOptions = TextureOptions {
     minification: TextureFilter::Linear,
     ..TextureOptions::LINEAR
 };
+
+#[cfg(test)]
+mod tests {
+    use egui::{Rect, pos2};
+
+    use super::corner;
+
+    #[test]
+    fn a_caption_does_not_lie_across_the_near_edge_of_the_picture() {
+        let area = Rect::from_min_max(pos2(0.0, 40.0), pos2(700.0, 400.0));
+        let x = |edge| corner(area, edge, 60.0).x;
+        // A picture that fills the area, one with a margin, and one far away.
+        assert_eq!([x(0.0), x(16.0), x(200.0)], [16.0, 32.0, 16.0]);
+        // Where there is no room beyond the edge, the text stays.
+        assert_eq!(corner(area, 16.0, 680.0).x, 16.0);
+    }
+}

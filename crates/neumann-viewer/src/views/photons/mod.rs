@@ -189,7 +189,7 @@ impl View for PhotonView {
         if let Some(facts) = &facts {
             // Where there is no room for all, how many there are is left to the status line.
             let lines = [facts.join(" · "), facts[2..].join(" · ")];
-            stage.caption = plate::show(&painter, rect, &caption, lines, &p);
+            stage.caption = plate::show(&painter, rect, place.left(), &caption, lines, &p);
         }
         if let Some(colours) = painted.legend.show(ui, rect, self.colours) {
             self.colours = colours;

@@ -11,6 +11,7 @@ use crate::formula::Formula;
 use crate::region;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
+use crate::views::plate;
 
 /// What stands in the upper left corner of the picture.
 pub(super) struct Caption {
@@ -79,9 +80,9 @@ impl Caption {
         format!("{what}: {}{notes}", self.text)
     }
 
-    /// Draws it in the upper left corner of `rect`; yields what it covers.
-    pub(super) fn show(&self, painter: &Painter, rect: Rect, p: &Palette) -> Rect {
-        let at = rect.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
+    /// Draws it in the upper left corner of `rect`, where the picture begins at `edge`; yields what
+    /// it covers.
+    pub(super) fn show(&self, painter: &Painter, rect: Rect, edge: f32, p: &Palette) -> Rect {
         let room = rect.width() - 6.0 * GRID;
         let formula = self.formula;
         let formula = formula.map(|part| Formula::full(painter, part, theme::CAPTION, p.text));
@@ -97,6 +98,7 @@ impl Caption {
         let width = width.fold(formula.as_ref().map_or(0.0, |f| f.size.x), f32::max);
         let heights = notes.iter().map(|note| note.size().y + 2.0);
         let height = below + text.size().y + heights.sum::<f32>();
+        let at = plate::corner(rect, edge, width);
         let spot = Rect::from_min_size(at, Vec2::new(width, height));
         let plate = spot.expand2(Vec2::new(GRID, 6.0));
         painter.rect_filled(plate, 6, theme::plate(p));

@@ -9,11 +9,14 @@ use neumann_picture::png_file::Pixels8;
 
 use crate::theme::{self, GRID, Palette};
 
+/// Edges of the picture are this near to those of the area where text keeps off them.
+const NEAR: f32 = 6.0 * GRID;
+
 /// Where text of a width begins in the upper left corner of an area. It does not lie across the
 /// left edge of the picture, at `edge`, where that is near: it begins beyond it.
 pub(super) fn corner(area: Rect, edge: f32, width: f32) -> Pos2 {
     let at = area.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
-    let is_near = edge - area.left() < 6.0 * GRID;
+    let is_near = edge - area.left() < NEAR;
     let is_across = at.x - GRID < edge && edge < at.x + width + GRID;
     let beyond = edge + 2.0 * GRID;
     if is_near && is_across && beyond + width + GRID <= area.right() {
@@ -21,6 +24,14 @@ pub(super) fn corner(area: Rect, edge: f32, width: f32) -> Pos2 {
     } else {
         at
     }
+}
+
+/// The area that a legend on the right stands in: one that ends with the picture, at `edge`, where
+/// that is near, so that the legend does not lie across it.
+pub(super) fn legend_area(area: Rect, edge: f32) -> Rect {
+    let is_near = (0.0..NEAR).contains(&(area.right() - edge));
+    let right = if is_near { edge } else { area.right() };
+    Rect::from_min_max(area.min, Pos2::new(right, area.bottom()))
 }
 
 /// What is shown, and a line of facts, in the upper left corner of `rect`; the second of the two
@@ -90,7 +101,7 @@ const SQUARES: TextureOptions = TextureOptions {
 mod tests {
     use egui::{Rect, pos2};
 
-    use super::corner;
+    use super::{corner, legend_area};
 
     #[test]
     fn a_caption_does_not_lie_across_the_near_edge_of_the_picture() {
@@ -100,5 +111,10 @@ mod tests {
         assert_eq!([x(0.0), x(16.0), x(200.0)], [16.0, 32.0, 16.0]);
         // Where there is no room beyond the edge, the text stays.
         assert_eq!(corner(area, 16.0, 680.0).x, 16.0);
+        let right = |edge| legend_area(area, edge).right();
+        assert_eq!(
+            [right(700.0), right(670.0), right(500.0)],
+            [700.0, 670.0, 700.0]
+        );
     }
 }

@@ -280,7 +280,8 @@ impl View for QuantityView {
         painter.image(painted.texture.id(), place, whole, Color32::WHITE);
         let facts = [fact, String::new()];
         stage.caption = plate::show(&painter, rect, place.left(), caption, facts, &p);
-        legend::show(&painter, rect, &painted.of.scale(&look), &p);
+        let area = plate::legend_area(rect, place.right());
+        legend::show(&painter, area, &painted.of.scale(&look), &p);
         response.hover_pos()
     }
 

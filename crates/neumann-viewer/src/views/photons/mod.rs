@@ -191,7 +191,8 @@ impl View for PhotonView {
             let lines = [facts.join(" · "), facts[2..].join(" · ")];
             stage.caption = plate::show(&painter, rect, place.left(), &caption, lines, &p);
         }
-        if let Some(colours) = painted.legend.show(ui, rect, self.colours) {
+        let area = plate::legend_area(rect, place.right());
+        if let Some(colours) = painted.legend.show(ui, area, self.colours) {
             self.colours = colours;
             ui.ctx().request_repaint();
         }

@@ -12,7 +12,7 @@ use egui::{Align2, Color32, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, p
 pub use self::probed::read;
 
 use self::caption::Caption;
-use super::{Needs, Row, Shown, Stage, View};
+use super::{Needs, Row, Shown, Stage, View, plate};
 use crate::compared::Compared;
 use crate::display::image_area::{self, Pictures, Placement};
 use crate::display::{Against, Slot, ViewSettings, ground, legend, values};
@@ -89,7 +89,8 @@ impl View for PictureView {
         stage.caption = caption.show(&painter, rect, placement.visible.left(), &p);
         let is_difference = matches!(compared, Compared::Difference(_));
         if settings.is_false_colour || is_difference {
-            legend::show(&painter, rect, &settings.scale(is_difference), &p);
+            let area = plate::legend_area(rect, placement.visible.right());
+            legend::show(&painter, area, &settings.scale(is_difference), &p);
         }
         response.hover_pos()
     }

@@ -11,19 +11,41 @@ use crate::theme::{self, GRID, Palette};
 
 /// Edges of the picture are this near to those of the area where text keeps off them.
 const NEAR: f32 = 6.0 * GRID;
+/// How far the plate of a caption reaches beyond its text.
+pub(super) const MARGIN: Vec2 = Vec2::new(GRID, 6.0);
 
-/// Where text of a width begins in the upper left corner of an area. It does not lie across the
-/// left edge of the picture, at `edge`, where that is near: it begins beyond it.
-pub(super) fn corner(area: Rect, edge: f32, width: f32) -> Pos2 {
-    let at = area.min + Vec2::new(2.0 * GRID, 1.5 * GRID);
-    let is_near = edge - area.left() < NEAR;
-    let is_across = at.x - GRID < edge && edge < at.x + width + GRID;
-    let beyond = edge + 2.0 * GRID;
-    if is_near && is_across && beyond + width + GRID <= area.right() {
-        Pos2::new(beyond, at.y)
-    } else {
-        at
-    }
+/// Where text of a size begins in the upper left corner of an area. It does not lie across an edge
+/// of the picture, which begins at `edge`, where that is near: it begins beyond it.
+pub(super) fn corner(area: Rect, edge: Pos2, size: Vec2) -> Pos2 {
+    let along = |start: f32, end: f32, edge: f32, gap: f32, margin: f32, size: f32| {
+        let at = start + gap;
+        let is_near = edge - start < NEAR;
+        let is_across = at - margin < edge && edge < at + size + margin;
+        let beyond = edge + gap;
+        if is_near && is_across && beyond + size + margin <= end {
+            beyond
+        } else {
+            at
+        }
+    };
+    Pos2::new(
+        along(
+            area.left(),
+            area.right(),
+            edge.x,
+            2.0 * GRID,
+            MARGIN.x,
+            size.x,
+        ),
+        along(
+            area.top(),
+            area.bottom(),
+            edge.y,
+            1.5 * GRID,
+            MARGIN.y,
+            size.y,
+        ),
+    )
 }
 
 /// The area that a legend on the right stands in: one that ends with the picture, at `edge`, where
@@ -39,7 +61,7 @@ pub(super) fn legend_area(area: Rect, edge: f32) -> Rect {
 pub(super) fn show(
     painter: &Painter,
     rect: Rect,
-    edge: f32,
+    edge: Pos2,
     caption: &str,
     facts: [String; 2],
     p: &Palette,
@@ -56,9 +78,9 @@ pub(super) fn show(
     };
     let below = caption.size().y + 2.0;
     let size = Vec2::new(caption.size().x.max(facts.size().x), below + facts.size().y);
-    let at = corner(rect, edge, size.x);
+    let at = corner(rect, edge, size);
     let spot = Rect::from_min_size(at, size);
-    let plate = spot.expand2(Vec2::new(GRID, 6.0));
+    let plate = spot.expand2(MARGIN);
     painter.rect_filled(plate, 6, ground(p));
     painter.galley(at, caption, p.text);
     painter.galley(at + Vec2::new(0.0, below), facts, p.weak);
@@ -99,18 +121,22 @@ const SQUARES: TextureOptions = TextureOptions {
 
 #[cfg(test)]
 mod tests {
-    use egui::{Rect, pos2};
+    use egui::{Rect, pos2, vec2};
 
     use super::{corner, legend_area};
 
     #[test]
     fn a_caption_does_not_lie_across_the_near_edge_of_the_picture() {
         let area = Rect::from_min_max(pos2(0.0, 40.0), pos2(700.0, 400.0));
-        let x = |edge| corner(area, edge, 60.0).x;
+        let at = |x, y| corner(area, pos2(x, y), vec2(60.0, 40.0));
         // A picture that fills the area, one with a margin, and one far away.
-        assert_eq!([x(0.0), x(16.0), x(200.0)], [16.0, 32.0, 16.0]);
+        let x = [0.0, 16.0, 200.0].map(|edge| at(edge, 40.0).x);
+        assert_eq!(x, [16.0, 32.0, 16.0]);
+        let y = [40.0, 60.0, 200.0].map(|edge| at(0.0, edge).y);
+        assert_eq!(y, [52.0, 72.0, 52.0]);
         // Where there is no room beyond the edge, the text stays.
-        assert_eq!(corner(area, 16.0, 680.0).x, 16.0);
+        let wide = corner(area, pos2(16.0, 40.0), vec2(680.0, 40.0));
+        assert_eq!(wide, pos2(16.0, 52.0));
         let right = |edge| legend_area(area, edge).right();
         assert_eq!(
             [right(700.0), right(670.0), right(500.0)],

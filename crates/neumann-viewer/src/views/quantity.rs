@@ -279,7 +279,7 @@ impl View for QuantityView {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         painter.image(painted.texture.id(), place, whole, Color32::WHITE);
         let facts = [fact, String::new()];
-        stage.caption = plate::show(&painter, rect, place.left(), caption, facts, &p);
+        stage.caption = plate::show(&painter, rect, place.min, caption, facts, &p);
         let area = plate::legend_area(rect, place.right());
         legend::show(&painter, area, &painted.of.scale(&look), &p);
         response.hover_pos()

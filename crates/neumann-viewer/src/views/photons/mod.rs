@@ -189,7 +189,7 @@ impl View for PhotonView {
         if let Some(facts) = &facts {
             // Where there is no room for all, how many there are is left to the status line.
             let lines = [facts.join(" · "), facts[2..].join(" · ")];
-            stage.caption = plate::show(&painter, rect, place.left(), &caption, lines, &p);
+            stage.caption = plate::show(&painter, rect, place.min, &caption, lines, &p);
         }
         let area = plate::legend_area(rect, place.right());
         if let Some(colours) = painted.legend.show(ui, area, self.colours) {

@@ -1,7 +1,7 @@
 //! The caption on the picture: the part of the series as a formula and in words, what is compared,
 //! and what the method cannot see of it.
 
-use egui::{Painter, Rect, Vec2};
+use egui::{Painter, Pos2, Rect, Vec2};
 use neumann_core::film::View as Part;
 
 use crate::blind_spots;
@@ -82,7 +82,7 @@ impl Caption {
 
     /// Draws it in the upper left corner of `rect`, where the picture begins at `edge`; yields what
     /// it covers.
-    pub(super) fn show(&self, painter: &Painter, rect: Rect, edge: f32, p: &Palette) -> Rect {
+    pub(super) fn show(&self, painter: &Painter, rect: Rect, edge: Pos2, p: &Palette) -> Rect {
         let room = rect.width() - 6.0 * GRID;
         let formula = self.formula;
         let formula = formula.map(|part| Formula::full(painter, part, theme::CAPTION, p.text));
@@ -98,9 +98,9 @@ impl Caption {
         let width = width.fold(formula.as_ref().map_or(0.0, |f| f.size.x), f32::max);
         let heights = notes.iter().map(|note| note.size().y + 2.0);
         let height = below + text.size().y + heights.sum::<f32>();
-        let at = plate::corner(rect, edge, width);
+        let at = plate::corner(rect, edge, Vec2::new(width, height));
         let spot = Rect::from_min_size(at, Vec2::new(width, height));
-        let plate = spot.expand2(Vec2::new(GRID, 6.0));
+        let plate = spot.expand2(plate::MARGIN);
         painter.rect_filled(plate, 6, theme::plate(p));
         if let Some(formula) = formula {
             formula.paint(painter, at);

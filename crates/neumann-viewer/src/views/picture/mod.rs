@@ -86,7 +86,7 @@ impl View for PictureView {
             wipe::show(ui, rect, &placement, sides, settings);
         }
         frame::show(&painter, &placement, session, settings, &p);
-        stage.caption = caption.show(&painter, rect, placement.visible.left(), &p);
+        stage.caption = caption.show(&painter, rect, placement.visible.min, &p);
         let is_difference = matches!(compared, Compared::Difference(_));
         if settings.is_false_colour || is_difference {
             let area = plate::legend_area(rect, placement.visible.right());

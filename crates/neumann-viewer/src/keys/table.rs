@@ -132,7 +132,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         RENDERING,
         "B",
-        "drag a region to render alone; end it",
+        "draw a region; end it",
         &[on(NONE, Key::B, Action::Region)],
     ),
     line(
@@ -234,7 +234,7 @@ pub static HELP: &[HelpLine] = &[
     line(
         DISPLAY,
         "N  Shift N",
-        "show albedo, normal, depth, error, samples",
+        "albedo, normal, depth, …",
         &[
             on(NONE, Key::N, Action::Show(1)),
             on(SHIFT, Key::N, Action::Show(-1)),

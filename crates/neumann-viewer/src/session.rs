@@ -131,7 +131,7 @@ impl Session {
         let is_kept = is_only_resized && self.room.is_debounced;
         let is_whole = settings.camera.crop.is_none();
         if !is_whole {
-            self.keep_around();
+            self.keep_around(&scene);
         }
         if is_whole && self.takes_up_around(&scene, &settings) {
             self.made = self
@@ -157,20 +157,30 @@ impl Session {
         self.setup.is_changed = false;
     }
 
-    /// Keeps the whole picture, if it is there, as a region of it is rendered next.
-    fn keep_around(&mut self) {
+    /// Keeps the whole picture, if it is there, as a region of it is rendered next; nothing of
+    /// another scene.
+    fn keep_around(&mut self, scene: &Scene) {
         let is_of_region = |job: &Job| job.settings.camera.crop.is_some();
+        let is_of_scene = |job: &Job| std::ptr::eq(job.scene.geometry(), scene.geometry());
         let is_there = self.kept.is_some_and(|kept| kept.is_after_region)
             || self.link.started().is_some_and(is_of_region);
         if !is_there {
-            let job = self.link.started().filter(|_| {
+            let job = self.link.started().filter(|job| {
                 let published = self.link.read(|published| published.generation);
-                self.picture.is_there() && published == self.link.generation()
+                let is_there = self.picture.is_there() && published == self.link.generation();
+                is_there && is_of_scene(job)
             });
             match job.cloned() {
                 Some(job) => self.picture.keep_around(&self.link, job),
                 None => self.picture.around = None,
             }
+        } else if !self
+            .picture
+            .around
+            .as_ref()
+            .is_some_and(|around| is_of_scene(&around.job))
+        {
+            self.picture.around = None;
         }
     }
 

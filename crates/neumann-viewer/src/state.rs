@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::StopRule;
-use neumann_core::scene::description::MaterialDescription;
+use neumann_core::scene::description::{Crop, MaterialDescription};
 use neumann_core::scene::{Appearance, Level, SkyChoice};
 use neumann_picture::state::{
     CameraState, Edits, EnvironmentState, Exact, ExposureState, FalseColourState, LevelEdit,
@@ -90,6 +90,11 @@ pub fn take_up(state: &State, session: &mut Session, viewing: &mut Viewing) -> V
     let mut complaints = Vec::new();
     let setup = &mut session.setup;
     take_method(state, setup);
+    setup.region = state.region.map(Crop::from);
+    if let Some(region) = setup.region {
+        // Its film is of that size, whether or not it follows the window.
+        setup.size = region.of.into();
+    }
     if let Some(camera) = &state.camera {
         take_camera(camera, setup);
     }

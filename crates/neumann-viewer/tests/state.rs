@@ -12,6 +12,7 @@ use glam::Vec2;
 use neumann_core::film::View as Part;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::StopRule;
+use neumann_core::scene::description::Crop;
 use neumann_core::scene::{Backs, Level, Sky};
 use neumann_picture::exr_file::read_exr;
 use neumann_picture::exr_file::{appearance_text, camera_text, environment_text};
@@ -19,7 +20,7 @@ use neumann_picture::state::State;
 use neumann_picture::tone::ToneCurve;
 use neumann_viewer::app::App;
 use neumann_viewer::setup::FilmSize;
-use neumann_viewer::state;
+use neumann_viewer::{command_line, state};
 
 use support::{app, app_with_photons, app_with_quantities, app_with_techniques};
 
@@ -301,6 +302,60 @@ fn colours_of_lights_and_of_the_inside_come_back() {
     // What a state brings is where undoing ends.
     assert_eq!(second.state().session.history.to_undo(), None);
     let _ = std::fs::remove_dir_all(&folder);
+}
+
+#[test]
+fn a_state_has_the_region() {
+    for film_size in [FilmSize::Fixed(40, 30), FilmSize::Window] {
+        let mut first = harness_of(app());
+        let setup = &mut first.state_mut().session.setup;
+        setup.film_size = film_size;
+        setup.is_changed = true;
+        first.run_steps(2);
+        let setup = &mut first.state_mut().session.setup;
+        let region = Crop {
+            of: setup.size.into(),
+            at: [3, 4],
+            size: [20, 10],
+        };
+        setup.choose_region(Some(region));
+        first.run_steps(2);
+        let saved = state_of(&first);
+        assert_eq!(saved.region.map(Crop::from), Some(region));
+        let (read, warnings) = State::parse(&saved.to_text()).expect("a state");
+        assert_eq!((&read, warnings.len()), (&saved, 0));
+
+        // A window of another size keeps the region and its film.
+        let mut second = harness_of(app());
+        second.set_size(egui::vec2(900.0, 600.0));
+        second.run_steps(2);
+        second.state_mut().open_state(Box::new(read));
+        wait(&mut second, |app| !app.is_loading());
+        second.run_steps(3);
+        assert_eq!(state_of(&second), saved);
+        let session = &second.state().session;
+        let settings = &session.link.started().expect("it renders").settings;
+        assert_eq!(settings.camera.crop, Some(region));
+        assert_eq!((settings.width, settings.height), (20, 10));
+        let around = session.picture.around.as_ref();
+        assert!(
+            around.is_none(),
+            "nothing of the scene before stands around it"
+        );
+        let command = command_line::of(session, &second.state().viewing.settings);
+        let command = command.expect("a scene is open").text;
+        assert!(command.contains(" --region 3,4,20,10 "), "{command}");
+
+        // A state without a region renders the whole picture.
+        let whole = State {
+            region: None,
+            ..saved
+        };
+        second.state_mut().open_state(Box::new(whole.clone()));
+        wait(&mut second, |app| !app.is_loading());
+        second.run_steps(2);
+        assert_eq!(state_of(&second), whole);
+    }
 }
 
 #[test]

@@ -12,7 +12,6 @@ use neumann_picture::exr_file::{Metadata, Precision, write_techniques_exr};
 use neumann_picture::photons::{PhotonLook, PowerScale};
 use neumann_picture::png_file::write_png;
 use neumann_picture::sheet::{SheetInfo, photon_sheet, technique_sheet};
-use neumann_picture::state::State;
 use neumann_picture::tone::Display;
 use serde_json::{Value, json};
 
@@ -41,19 +40,15 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         outputs::check(&outputs)?;
     }
     let (scene, mut settings) = arguments.settings.resolve(&arguments.scene)?;
-    let whole = [settings.width, settings.height];
     if let Some(region) = arguments.region {
         crop(&mut settings, region)?;
     }
     let inputs = arguments.settings.inputs(&arguments.scene, &scene);
     outputs::refuse_inputs(&outputs, &inputs)?;
     outputs::check_space(&arguments.outputs, &settings)?;
-    let state = State {
-        size: Some(whole),
-        ..arguments
-            .settings
-            .state(&arguments.scene, &scene, &settings)
-    };
+    let state = arguments
+        .settings
+        .state(&arguments.scene, &scene, &settings);
     let session = Session {
         state: Box::new(state),
         scene,

@@ -7,12 +7,17 @@ use neumann_core::film::View as Part;
 use neumann_core::integrator::{METHODS, Method, ParameterValues, method};
 use neumann_core::scene::Backs;
 
-use super::{CameraState, Exact, LevelEdit, MaterialEdit, ProjectionState, State, Stop};
+use super::{
+    CameraState, Exact, LevelEdit, MaterialEdit, ProjectionState, RegionState, State, Stop,
+};
 use crate::false_colour::ColourMap;
 use crate::tone::ToneCurve;
 
 /// The field, and what is wrong with it.
 type Wrong = (String, String);
+
+/// Most columns and rows of a film.
+const MAX_EDGE: usize = 65_535;
 
 impl State {
     /// Refuses what cannot be; yields what is odd.
@@ -43,7 +48,10 @@ impl State {
         whole("max_bounces", self.max_bounces as usize, 0, 65_535)?;
         whole("layers", self.layers, 1, 64)?;
         for (i, edge) in self.size.into_iter().flatten().enumerate() {
-            whole(&format!("size[{i}]"), edge, 1, 65_535)?;
+            whole(&format!("size[{i}]"), edge, 1, MAX_EDGE)?;
+        }
+        if let Some(region) = &self.region {
+            region.check(self.size)?;
         }
         match self.stop {
             Stop::Iterations(0) => return wrong("stop", "use one iteration or more"),
@@ -123,6 +131,26 @@ impl CameraState {
         }
         self.aspect_ratio
             .map_or(Ok(()), |ratio| positive("camera.aspect_ratio", ratio))
+    }
+}
+
+impl RegionState {
+    /// Refuses a region that is empty, or no part of a film of that size.
+    fn check(&self, film: Option<[usize; 2]>) -> Result<(), Wrong> {
+        for (i, edge) in self.of.into_iter().enumerate() {
+            whole(&format!("region.of[{i}]"), edge, 1, MAX_EDGE)?;
+        }
+        if let Some(film) = film.filter(|film| *film != self.of) {
+            let [of, film] = [self.of, film].map(|[width, height]| format!("{width}x{height}"));
+            let what = format!("{of} is not the film's size; use that of 'size', {film}");
+            return wrong("region.of", what);
+        }
+        for i in 0..2 {
+            whole(&format!("region.at[{i}]"), self.at[i], 0, self.of[i] - 1)?;
+            let most = self.of[i] - self.at[i];
+            whole(&format!("region.size[{i}]"), self.size[i], 1, most)?;
+        }
+        Ok(())
     }
 }
 

@@ -95,7 +95,12 @@ impl State {
         };
         self.resolve(folder);
         self.check_scene().map_err(|what| error("scene", what))?;
-        self.check_memory().map_err(|what| error("size", what))?;
+        let sized = if self.size.is_some() {
+            "size"
+        } else {
+            "region.of"
+        };
+        self.check_memory().map_err(|what| error(sized, what))?;
         Ok(self)
     }
 
@@ -201,7 +206,8 @@ impl State {
     }
 
     fn check_memory(&self) -> Result<(), String> {
-        let (Some([width, height]), Some(free)) = (self.size, free_bytes()) else {
+        let size = self.size.or(self.region.map(|region| region.of));
+        let (Some([width, height]), Some(free)) = (size, free_bytes()) else {
             return Ok(());
         };
         let needed = film_bytes(width, height, self.layers);

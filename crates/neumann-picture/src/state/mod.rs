@@ -22,7 +22,7 @@ use neumann_core::render::RenderSettings;
 use neumann_core::scene::SkyChoice;
 use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::description::{
-    CameraDescription, EnvironmentDescription, Lens, Projection,
+    CameraDescription, Crop, EnvironmentDescription, Lens, Projection,
 };
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +54,8 @@ pub struct State {
     pub seed: u64,
     /// Width and height of the film; it follows the window where there is none.
     pub size: Option<[usize; 2]>,
+    /// The part of the picture that is rendered alone; all of it where there is none.
+    pub region: Option<RegionState>,
     /// When rendering is done.
     pub stop: Stop,
     /// Id of what stands on the stage: `picture`, `techniques`.
@@ -124,6 +126,17 @@ pub struct LensState {
     pub aperture: Exact,
     /// Distance of what is sharp, metres.
     pub focus_distance: Exact,
+}
+
+/// A part of the picture that is rendered alone, pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RegionState {
+    /// Width and height of the whole picture; the size of the film, if that is given.
+    pub of: [usize; 2],
+    /// First column and first row.
+    pub at: [usize; 2],
+    /// Columns and rows.
+    pub size: [usize; 2],
 }
 
 /// When rendering is done.
@@ -269,6 +282,7 @@ impl State {
             let value = value.unwrap_or_else(|| parameter.default_value());
             (parameter.name.to_owned(), parameter.format(value))
         });
+        let region = settings.camera.crop.map(RegionState::from);
         Self {
             scene: match builtin(scene) {
                 Some(_) => scene.to_owned(),
@@ -280,9 +294,22 @@ impl State {
             max_bounces: settings.max_bounces,
             layers: settings.n_layers,
             seed: settings.seed,
-            size: Some([settings.width, settings.height]),
+            size: Some(region.map_or([settings.width, settings.height], |region| region.of)),
+            region,
             ..Self::default()
         }
+    }
+}
+
+impl From<Crop> for RegionState {
+    fn from(Crop { of, at, size }: Crop) -> Self {
+        Self { of, at, size }
+    }
+}
+
+impl From<RegionState> for Crop {
+    fn from(RegionState { of, at, size }: RegionState) -> Self {
+        Self { of, at, size }
     }
 }
 
@@ -344,6 +371,7 @@ impl Default for State {
             layers: DEFAULT_LAYERS,
             seed: 0,
             size: None,
+            region: None,
             stop: Stop::Never,
             view: "picture".to_owned(),
             part: "L".to_owned(),

@@ -1,6 +1,9 @@
 //! States go to a file and come back; what is wrong with a file is told.
 
-use super::{CameraState, Exact, LensState, LevelEdit, MaterialEdit, ProjectionState, State, Stop};
+use super::{
+    CameraState, Exact, LensState, LevelEdit, MaterialEdit, ProjectionState, RegionState, State,
+    Stop,
+};
 use crate::files::tests::TestFolder;
 
 fn full() -> State {
@@ -19,6 +22,11 @@ fn full() -> State {
             up: Some(Exact::all([0.0, 1.0, 0.0])),
         }),
         size: Some([64, 48]),
+        region: Some(RegionState {
+            of: [64, 48],
+            at: [10, 0],
+            size: [54, 20],
+        }),
         stop: Stop::Seconds(0.1),
         ..State::default()
     };
@@ -133,6 +141,71 @@ fn what_is_wrong_is_told_with_its_field() {
             "{text}: {what}"
         );
     }
+}
+
+#[test]
+fn a_region_that_is_no_part_of_the_film_is_told_with_its_field() {
+    let read = |size: &str, region: &str| {
+        State::parse(&format!(
+            r#"{{"scene": "cornell", {size} "region": {{{region}}}}}"#
+        ))
+    };
+    let film = r#""size": [64, 48],"#;
+    for (size, region, field) in [
+        (
+            film,
+            r#""of": [32, 48], "at": [0, 0], "size": [8, 8]"#,
+            "region.of",
+        ),
+        (
+            "",
+            r#""of": [0, 48], "at": [0, 0], "size": [8, 8]"#,
+            "region.of[0]",
+        ),
+        (
+            "",
+            r#""of": [64, 70000], "at": [0, 0], "size": [8, 8]"#,
+            "region.of[1]",
+        ),
+        (
+            film,
+            r#""of": [64, 48], "at": [64, 0], "size": [8, 8]"#,
+            "region.at[0]",
+        ),
+        (
+            film,
+            r#""of": [64, 48], "at": [0, -1], "size": [8, 8]"#,
+            "region.at[1]",
+        ),
+        (
+            film,
+            r#""of": [64, 48], "at": [57, 0], "size": [8, 8]"#,
+            "region.size[0]",
+        ),
+        (
+            "",
+            r#""of": [64, 48], "at": [0, 9], "size": [8, 0]"#,
+            "region.size[1]",
+        ),
+        (
+            "",
+            r#""of": [64, 48], "at": [20, 9], "size": [-8, 4]"#,
+            "region.size[0]",
+        ),
+        (
+            "",
+            r#""of": [64, 48], "at": [0, 18446744073709551615], "size": [1, 1]"#,
+            "region.at[1]",
+        ),
+        ("", r#""of": [64, 48], "at": [0, 0]"#, "region"),
+    ] {
+        let (found, what) = read(size, region).unwrap_err();
+        assert_eq!(found, field, "{region}: {what}");
+        assert!(what.contains("; "), "{region}: {what}");
+    }
+    let (state, warnings) = read("", r#""of": [64, 48], "at": [56, 0], "size": [8, 48]"#).unwrap();
+    assert_eq!(warnings, Vec::<String>::new());
+    assert_eq!(state.region.map(|region| region.size), Some([8, 48]));
 }
 
 #[test]

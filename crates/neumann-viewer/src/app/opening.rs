@@ -193,10 +193,16 @@ impl App {
             }
         }
         let largest = self.largest_side;
-        if let FilmSize::Fixed(w, h) = setup.film_size
+        let size = match setup.film_size {
+            FilmSize::Fixed(w, h) => Some((w, h)),
+            _ => setup.region.map(|region| region.of.into()),
+        };
+        if let Some((w, h)) = size
             && w.max(h) > largest
         {
             setup.film_size = FilmSize::Window;
+            setup.region = None;
+            setup.size = (0, 0);
             self.shell.notices.failure(format!(
                 "The state's size {w}×{h} is more than the graphics device draws, {largest} \
                  pixels each way; the film follows the window"

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use glam::Vec3;
 use neumann_core::scene::description::{CameraDescription, Projection};
-use neumann_picture::state::State;
+use neumann_picture::state::{RegionState, State};
 
 use super::Folder;
 
@@ -34,6 +34,10 @@ fn states_that_cannot_be_shown_are_refused() {
         "a.json: method: there is no method 'best'; use one of naive",
     );
     refused(r#"{"scene": "cornell", "tone": "film"}"#, "a.json: tone: ");
+    refused(
+        r#"{"scene": "cornell", "region": {"of": [64, 48], "at": [60, 0], "size": [8, 8]}}"#,
+        "a.json: region.size[0]: 8 is out of range; use 1 to 4",
+    );
     let folder = Folder::new();
     let stderr = folder.fail("view --state none.json", 2);
     assert!(stderr.contains("none.json: cannot read"), "{stderr}");
@@ -83,7 +87,7 @@ fn a_state_is_drawn_and_what_nobody_knows_in_it_is_told() {
 fn a_rendered_picture_has_its_state() {
     let folder = Folder::new();
     let line = "render cornell -o a.exr --integrator pt-nee --eye 0,2,7 --target 0.1,2.5,0 \
-                --fov 40 --size 24x16 --iterations 1 --env sun --env-intensity 2 --max-bounces 3";
+                --fov 40 --size 24x16 --region 2,3,8,6 --iterations 1 --env sun --env-intensity 2 --max-bounces 3";
     assert!(folder.run(line).status.success());
     let (state, warnings) = State::read(&folder.join("a.exr")).unwrap();
     assert_eq!(warnings, Vec::<String>::new());
@@ -92,6 +96,11 @@ fn a_rendered_picture_has_its_state() {
         method: "pt-nee".to_owned(),
         max_bounces: 3,
         size: Some([24, 16]),
+        region: Some(RegionState {
+            of: [24, 16],
+            at: [2, 3],
+            size: [8, 6],
+        }),
         parameters: state.parameters.clone(),
         camera: state.camera.clone(),
         environment: state.environment.clone(),

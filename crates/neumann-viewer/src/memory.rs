@@ -1,19 +1,20 @@
 //! What the window remembers from one start to the next: small text files in the user's folder of
 //! settings.
 
+use std::io::Write;
 use std::path::PathBuf;
+
+use neumann_picture::files::write_atomically;
 
 /// Path of a file of that name; `None` where there is no such folder.
 pub(crate) fn file(name: &str) -> Option<PathBuf> {
     config_folder().map(|folder| folder.join("neumann").join(name))
 }
 
-/// Writes such a file. What cannot be kept is no reason to trouble anybody.
+/// Writes such a file, whole or not at all. What cannot be kept is no reason to trouble anybody.
 pub(crate) fn keep(file: &std::path::Path, text: &str) {
-    let _ = file
-        .parent()
-        .map_or(Ok(()), std::fs::create_dir_all)
-        .and_then(|()| std::fs::write(file, text));
+    let _ = file.parent().map(std::fs::create_dir_all);
+    let _ = write_atomically(file, |writer| Ok(writer.write_all(text.as_bytes())?));
 }
 
 /// A scene as it is remembered: a built-in scene's name, or a path that means the same from every

@@ -154,6 +154,9 @@ impl Handler<'_> {
         });
         app.shell.recent = Recent::load();
         app.shell.bookmarks = Bookmarks::load();
+        if let Some(complaint) = app.shell.bookmarks.complaint() {
+            app.shell.notices.failure(complaint);
+        }
         app.shell.text_scale = TextScale::load();
         app.shell.places = Places::of_display();
         app.open_first_scene();

@@ -22,14 +22,25 @@ pub struct KeptView {
 pub struct KeptViews(pub BTreeMap<String, Vec<KeptView>>);
 
 impl KeptViews {
-    /// Reads them; nothing of a text that is not theirs, and no view that cannot be.
+    /// Reads those that there can be, and what is wrong with the text, if anything is.
     #[must_use]
-    pub fn parse(text: &str) -> Self {
-        let mut all: Self = serde_json::from_str(text).unwrap_or_default();
-        for views in all.0.values_mut() {
-            views.retain(|view| view.camera.check().is_ok());
+    pub fn parse(text: &str) -> (Self, Option<String>) {
+        let mut all: Self = match serde_json::from_str(text) {
+            Ok(all) => all,
+            Err(error) => return (Self::default(), Some(error.to_string())),
+        };
+        let mut wrong = None;
+        for (scene, views) in &mut all.0 {
+            views.retain(|view| match view.camera.check() {
+                Ok(()) => true,
+                Err((field, what)) => {
+                    let name = &view.name;
+                    wrong.get_or_insert(format!("view '{name}' of {scene}: {field}: {what}"));
+                    false
+                }
+            });
         }
-        all
+        (all, wrong)
     }
 
     /// As the text of a file.
@@ -64,16 +75,23 @@ mod tests {
     }
 
     #[test]
-    fn they_read_back_and_nonsense_is_nothing() {
+    fn they_read_back_and_what_cannot_be_is_told() {
         let mut all = KeptViews::default();
         all.0.insert("cornell".to_owned(), vec![view(0.7)]);
-        assert_eq!(KeptViews::parse(&all.to_text()), all);
-        assert_eq!(KeptViews::parse("{ nonsense"), KeptViews::default());
+        assert_eq!(KeptViews::parse(&all.to_text()), (all.clone(), None));
+        let (none, wrong) = KeptViews::parse("{ nonsense");
+        assert!(none.0.is_empty() && wrong.is_some_and(|wrong| wrong.contains("line 1")));
         // A view that no camera can have is left out.
         let mut odd = all.clone();
         odd.0
             .insert("cornell".to_owned(), vec![view(7.0), view(0.7)]);
-        assert_eq!(KeptViews::parse(&odd.to_text()), all);
+        let (left, wrong) = KeptViews::parse(&odd.to_text());
+        let wrong = wrong.expect("it is told");
+        assert_eq!(left, all);
+        assert!(
+            wrong.starts_with("view 'from the door' of cornell: camera."),
+            "{wrong}"
+        );
     }
 
     #[test]

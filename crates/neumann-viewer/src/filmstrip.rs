@@ -278,10 +278,14 @@ fn tile_of(
     let name_color = if is_chosen { p.strong } else { p.text };
     let name = Formula::name(&painter, view, theme::BODY, name_color);
     if has_text_below {
+        // Name and share stand on one line.
         let y = inner.bottom() - bar_height - 10.0;
-        name.paint(&painter, pos2(inner.left() + 3.0, y - 9.0));
-        let at = pos2(inner.right() - 3.0, y);
-        painter.text(at, Align2::RIGHT_CENTER, share_text, theme::small(), p.weak);
+        let share_text = painter.layout_no_wrap(share_text, theme::small(), p.weak);
+        let at = Align2::RIGHT_CENTER.anchor_size(pos2(inner.right() - 3.0, y), share_text.size());
+        let baseline = formula::baseline_of(&share_text).map_or(y + 4.0, |b| at.top() + b);
+        painter.galley(at.min, share_text, p.weak);
+        let top = baseline - formula::LINE_BASELINE * theme::BODY;
+        name.paint(&painter, pos2(inner.left() + 3.0, top));
     } else {
         let x = image.right() + GRID;
         name.paint(&painter, pos2(x, inner.center().y - 18.0));

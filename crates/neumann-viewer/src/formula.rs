@@ -25,6 +25,8 @@ pub struct Formula {
     pub size: Vec2,
 }
 
+/// The baseline is this far below the top of a formula, as a share of the size.
+pub(crate) const LINE_BASELINE: f32 = 1.15;
 const SCRIPT_SIZE: f32 = 0.68;
 const RAISE: f32 = 0.36;
 const LOWER: f32 = 0.18;
@@ -94,7 +96,7 @@ impl Formula {
     }
 
     fn layout(painter: &Painter, text: &[(String, Place)], size: f32, color: Color32) -> Self {
-        let line_baseline = size * 1.15;
+        let line_baseline = size * LINE_BASELINE;
         let mut x = 0.0;
         let mut bottom: f32 = 0.0;
         let mut pieces = Vec::with_capacity(text.len());
@@ -209,7 +211,8 @@ fn push_term(text: &mut Vec<(String, Place)>, k: usize) {
     text.push(("e".to_owned(), Place::Index));
 }
 
-fn baseline_of(galley: &Galley) -> Option<f32> {
+/// How far the first baseline is below the top; `None` without a glyph.
+pub(crate) fn baseline_of(galley: &Galley) -> Option<f32> {
     let row = galley.rows.first()?;
     let glyph = row.row.glyphs.first()?;
     Some(row.pos.y + glyph.pos.y)

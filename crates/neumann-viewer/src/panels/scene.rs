@@ -32,7 +32,7 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, shell: &mut Shell) {
             shell.background.choose(Wanted::Scene);
         }
     });
-    hint(ui, "Or drop a .gltf or .glb file on the window");
+    hint(ui, "Or drop a .gltf or .glb file here");
 
     if fold(ui, "Built-in scenes", true) {
         let open = setup.open.as_ref().map(|open| open.source.as_str());

@@ -55,33 +55,44 @@ impl Reading {
     }
 }
 
-/// Draws readings in the upper right corner of `rect`, or below the caption where they would cover
-/// that, or in the lower right corner where they would cover the place `at` that they are of; the
+/// Where readings may stand.
+#[derive(Clone, Copy, Debug)]
+pub struct Room {
+    /// All of the area.
+    pub stage: Rect,
+    /// The picture in it.
+    pub picture: Rect,
+    /// What the caption covers.
+    pub caption: Rect,
+}
+
+/// How far the plate reaches beyond the text.
+const MARGIN: Vec2 = Vec2::new(GRID, 6.0);
+/// How far the text keeps off an edge.
+const GAP: Vec2 = Vec2::new(2.0 * GRID, 1.5 * GRID);
+
+/// Draws readings in the upper right corner of the stage, or elsewhere, if they would cover the
+/// caption or the place `at` that they are of there, or lie across the edge of the picture; the
 /// bars of `part` stand out.
-pub fn show(ui: &Ui, [rect, caption]: [Rect; 2], at: Pos2, reading: &Reading, part: Part) {
+pub fn show(ui: &Ui, room: &Room, at: Pos2, reading: &Reading, part: Part) {
     const LINE: f32 = 17.0;
     const BARS: f32 = 40.0;
     let p = Palette::of(ui);
-    let painter = ui.painter().with_clip_rect(rect);
+    let painter = ui.painter().with_clip_rect(room.stage);
     let lines = reading.lines.iter().cloned();
     let lines: Vec<_> = lines
         .map(|line| painter.layout_no_wrap(line, theme::small(), p.text))
         .collect();
     let width = lines.iter().map(|l| l.size().x).fold(152.0, f32::max);
-    let corner = pos2(rect.right() - 2.0 * GRID, rect.top() + 1.5 * GRID);
     let bars = if reading.bounces.is_empty() {
         0.0
     } else {
         BARS
     };
     let height = lines.len() as f32 * LINE + bars;
-    let spot = Rect::from_min_max(
-        pos2(corner.x - width, corner.y),
-        pos2(corner.x, corner.y + height),
-    );
-    let spot = away_from(at, beside(spot, caption), rect);
+    let spot = room.spot(Vec2::new(width, height), at);
     let ground = theme::plate(&p);
-    painter.rect_filled(spot.expand2(Vec2::new(GRID, 6.0)), 6, ground);
+    painter.rect_filled(spot.expand2(MARGIN), 6, ground);
     for (i, line) in lines.into_iter().enumerate() {
         let at = pos2(spot.right() - line.size().x, spot.top() + i as f32 * LINE);
         painter.galley(at, line, p.text);
@@ -89,23 +100,50 @@ pub fn show(ui: &Ui, [rect, caption]: [Rect; 2], at: Pos2, reading: &Reading, pa
     bounce_bars(&painter, spot, reading, part, &p);
 }
 
-/// The place for what would stand at `spot`: below the caption if it would cover that.
-fn beside(spot: Rect, caption: Rect) -> Rect {
-    if !spot.expand(GRID).intersects(caption) {
-        return spot;
+impl Room {
+    /// Where text of a size stands that tells of the place `at`. It covers neither that nor the
+    /// caption, nor lies across the edge of the picture, as far as there is room.
+    fn spot(&self, size: Vec2, at: Pos2) -> Rect {
+        let spots = self.spots(size);
+        let is_off = |spot: &Rect| !spot.expand(3.0 * GRID).contains(at);
+        let is_beside_caption = |spot: &Rect| !spot.expand(GRID).intersects(self.caption);
+        let is_whole = |spot: &Rect| {
+            let plate = spot.expand2(MARGIN);
+            self.picture.contains_rect(plate) || !self.picture.intersects(plate)
+        };
+        // There may be no caption to stand below.
+        let is_on_stage = |spot: &&Rect| self.stage.contains_rect(**spot);
+        let find = |is_fit: &dyn Fn(&Rect) -> bool| {
+            let mut spots = spots.iter().filter(is_on_stage).copied();
+            spots.find(is_fit)
+        };
+        find(&|spot| is_off(spot) && is_beside_caption(spot) && is_whole(spot))
+            .or_else(|| find(&|spot| is_off(spot) && is_beside_caption(spot)))
+            .or_else(|| find(&is_off))
+            .unwrap_or(spots[0])
     }
-    let corner = pos2(caption.left() + GRID, caption.bottom() + 1.5 * GRID);
-    Rect::from_min_size(corner, spot.size())
-}
 
-/// The place for what would stand at `spot`: in the lower right corner of `rect` if it would cover
-/// a point or come near it.
-fn away_from(at: Pos2, spot: Rect, rect: Rect) -> Rect {
-    if !spot.expand(3.0 * GRID).contains(at) {
-        return spot;
+    /// The places for text of a size, the best one first; a legend may stand in the lower right.
+    fn spots(&self, size: Vec2) -> [Rect; 7] {
+        let corner = |area: Rect, is_low: bool| {
+            let least = area.min + GAP;
+            let most = area.max - GAP - size;
+            let y = if is_low { most.y } else { least.y };
+            Rect::from_min_size(pos2(most.x, y), size)
+        };
+        let left = |x: f32, y: f32| Rect::from_min_size(pos2(x, y), size);
+        let below = self.caption.bottom() + GAP.y;
+        let x = self.picture.left() + GAP.x;
+        [
+            corner(self.stage, false),
+            corner(self.picture, false),
+            left(self.caption.left() + GRID, below),
+            corner(self.stage, true),
+            corner(self.picture, true),
+            left(x, below.max(self.picture.top() + GAP.y)),
+            left(x, self.picture.bottom() - GAP.y - size.y),
+        ]
     }
-    let corner = rect.max - Vec2::new(2.0 * GRID, 1.5 * GRID);
-    Rect::from_min_size(corner - spot.size(), spot.size())
 }
 
 /// What each bounce has of the pixel, as bars under the numbers.
@@ -147,35 +185,73 @@ fn bounce_bars(painter: &Painter, spot: Rect, reading: &Reading, part: Part, p: 
 
 #[cfg(test)]
 mod tests {
-    use egui::{Rect, pos2};
+    use egui::{Pos2, Rect, Vec2, pos2, vec2};
 
-    use super::{away_from, beside};
+    use super::{MARGIN, Room};
+
+    const SIZE: Vec2 = vec2(154.0, 90.0);
+    /// A place that nothing comes near.
+    const FAR: Pos2 = pos2(500.0, 480.0);
+
+    fn rect(x: f32, y: f32, right: f32, bottom: f32) -> Rect {
+        Rect::from_min_max(pos2(x, y), pos2(right, bottom))
+    }
+
+    fn room(picture: Rect, caption: Rect) -> Room {
+        Room {
+            stage: rect(0.0, 40.0, 1000.0, 500.0),
+            picture,
+            caption,
+        }
+    }
 
     #[test]
     fn readings_leave_what_they_are_of_alone() {
-        let rect = Rect::from_min_max(pos2(0.0, 40.0), pos2(1000.0, 500.0));
-        let spot = Rect::from_min_max(pos2(830.0, 52.0), pos2(984.0, 140.0));
-        assert_eq!(away_from(pos2(500.0, 300.0), spot, rect), spot);
+        let stage = rect(0.0, 40.0, 1000.0, 500.0);
+        let room = room(stage, Rect::NOTHING);
+        let usual = rect(830.0, 52.0, 984.0, 142.0);
+        assert_eq!(room.spot(SIZE, FAR), usual);
         for at in [pos2(900.0, 100.0), pos2(815.0, 60.0), pos2(990.0, 145.0)] {
-            let moved = away_from(at, spot, rect);
+            let moved = room.spot(SIZE, at);
             assert!(!moved.expand(8.0).contains(at), "{at:?}: {moved:?}");
-            assert!(rect.contains_rect(moved) && moved.size() == spot.size());
+            assert!(stage.contains_rect(moved) && moved.size() == SIZE);
         }
     }
 
     #[test]
     fn readings_leave_the_caption_alone() {
-        let rect = |x: f32, y: f32, right: f32, bottom: f32| {
-            Rect::from_min_max(pos2(x, y), pos2(right, bottom))
-        };
-        let caption = rect(8.0, 46.0, 250.0, 160.0);
-        let apart = rect(750.0, 50.0, 990.0, 180.0);
-        assert_eq!(beside(apart, caption), apart);
-        assert_eq!(beside(apart, Rect::NOTHING), apart);
-        let moved = beside(rect(130.0, 50.0, 380.0, 180.0), caption);
-        assert!(
-            !moved.intersects(caption) && moved.left() < 20.0,
-            "{moved:?}"
-        );
+        let stage = rect(0.0, 40.0, 1000.0, 500.0);
+        let spot = |caption| room(stage, caption).spot(SIZE, FAR);
+        assert_eq!(spot(rect(8.0, 46.0, 250.0, 160.0)), spot(Rect::NOTHING));
+        let wide = rect(8.0, 46.0, 840.0, 160.0);
+        let moved = spot(wide);
+        assert!(!moved.intersects(wide) && moved.left() < 20.0, "{moved:?}");
+    }
+
+    #[test]
+    fn readings_do_not_lie_across_the_edge_of_the_picture() {
+        // Pictures of all widths and heights in the middle of the stage.
+        for (dx, dy) in (0..99).flat_map(|i| [0.0, 20.0, 60.0].map(|dy| (5.0 * i as f32, dy))) {
+            let picture = rect(dx, 40.0 + dy, 1000.0 - dx, 500.0 - dy);
+            let caption = rect(8.0, 46.0, 90.0, 90.0);
+            let room = room(picture, caption);
+            for at in [picture.center(), picture.right_top(), picture.left_top()] {
+                let spot = room.spot(SIZE, at);
+                let plate = spot.expand2(MARGIN);
+                let is_whole = picture.contains_rect(plate) || !picture.intersects(plate);
+                assert!(is_whole, "{picture:?} {at:?}: {spot:?}");
+                assert!(room.stage.contains_rect(plate), "{picture:?}: {spot:?}");
+                assert!(!spot.intersects(caption), "{picture:?}: {spot:?}");
+                assert!(
+                    !spot.expand(8.0).contains(at),
+                    "{picture:?} {at:?}: {spot:?}"
+                );
+            }
+        }
+        // What was whole stays where it was.
+        let beside = room(rect(200.0, 40.0, 700.0, 500.0), Rect::NOTHING);
+        assert_eq!(beside.spot(SIZE, FAR), rect(830.0, 52.0, 984.0, 142.0));
+        let across = room(rect(100.0, 40.0, 900.0, 500.0), Rect::NOTHING);
+        assert_eq!(across.spot(SIZE, FAR).right(), 884.0, "within the picture");
     }
 }

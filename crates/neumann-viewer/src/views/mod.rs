@@ -267,8 +267,12 @@ impl Views {
         if let Some(at) = probed
             && let Some(reading) = view.probe(at, stage)
         {
-            let places = [stage.rect, stage.caption];
-            probe::show(ui, places, at, &reading, stage.settings.part);
+            let room = probe::Room {
+                stage: stage.rect,
+                picture: stage.placement.map_or(stage.rect, |placed| placed.visible),
+                caption: stage.caption,
+            };
+            probe::show(ui, &room, at, &reading, stage.settings.part);
         }
     }
 

@@ -18,8 +18,9 @@ pub struct LiveHistogram {
     /// What is counted.
     pub channels: Channels,
     sample: Vec<Rgb>,
-    /// Of which version of the picture, and of which part, the sample is, and when it was taken.
-    taken: Option<(u64, Part, Instant)>,
+    /// Of which version and generation of the picture, and of which part, the sample is, and when
+    /// it was taken.
+    taken: Option<([u64; 2], Part, Instant)>,
     counted: Option<Counted>,
 }
 
@@ -39,14 +40,13 @@ const HEIGHT: f32 = 72.0;
 impl LiveHistogram {
     /// Counts the pixels of what is shown, if it has changed and it is time.
     pub fn update(&mut self, session: &Session, settings: &ViewSettings) {
-        let version = session.picture.version;
+        let version = version_of(session);
         let part = settings.part;
         let is_due = self.taken.is_none_or(|(before, of, at)| {
             of != part || (before != version && at.elapsed() >= PERIOD)
         });
         if is_due && session.picture.is_there() {
-            session.link.read(|published| {
-                let film = &published.film;
+            session.picture.read_film(&session.link, |film, _, _| {
                 let step = step(film.n_pixels());
                 self.sample.clear();
                 for y in (step / 2..film.height()).step_by(step) {
@@ -79,7 +79,7 @@ impl LiveHistogram {
     #[must_use]
     pub fn rest(&self, session: &Session) -> Option<Duration> {
         let (version, _, at) = self.taken?;
-        (version != session.picture.version).then(|| PERIOD.saturating_sub(at.elapsed()))
+        (version != version_of(session)).then(|| PERIOD.saturating_sub(at.elapsed()))
     }
 
     /// Draws it as wide as the panel, with what cannot be told apart in words below.
@@ -189,6 +189,12 @@ fn bars(ui: &Ui, rect: Rect, histogram: &Histogram) {
             ui.painter().rect_filled(bar, 0, colour);
         }
     }
+}
+
+/// What tells one picture from the next; one that is put back after a region has a generation of
+/// its own.
+fn version_of(session: &Session) -> [u64; 2] {
+    [session.picture.version, session.picture.generation]
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use neumann_core::film::View;
+use neumann_core::film::{Film, View};
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::{Job, Published, Stats, Thumbnail};
-use neumann_core::scene::description::Crop;
+use neumann_core::scene::description::{CameraDescription, Crop};
 use neumann_picture::tone::auto_exposure;
 
 use crate::compared::{Origin, Reference};
@@ -167,15 +167,31 @@ impl Picture {
         sum_of(&self.thumbnails, view)
     }
 
+    /// Reads the film of the picture that is shown, with the divisor of the ladder, and camera and
+    /// region if it is of one. `None` while that picture stays, and its film is gone.
+    pub fn read_film<R>(
+        &self,
+        link: &RenderLink,
+        reader: impl FnOnce(&Film, usize, Option<(&CameraDescription, &Crop)>) -> R,
+    ) -> Option<R> {
+        let is_shown = |around: &&Around| around.generation == self.generation;
+        if let Some(around) = self.around.as_ref().filter(is_shown) {
+            return Some(reader(&around.film, around.divisor, None));
+        }
+        link.read(|published| {
+            let region = link.region_of(published.generation);
+            let is_shown = published.generation == self.generation;
+            is_shown.then(|| reader(&published.film, published.divisor.max(1), region))
+        })
+    }
+
     /// A part of the film as it is shown; while a region is rendered, with the whole picture
     /// around it.
     #[must_use]
     pub fn pixels(&self, link: &RenderLink, view: View) -> Pieced {
-        let around = self.around.as_ref();
-        link.read(|published| {
-            let film = &published.film;
-            if let Some((camera, region)) = link.region_of(published.generation) {
-                return region::piece(around, film, camera, region, view);
+        let piece = |film: &Film, region: Option<(&CameraDescription, &Crop)>| {
+            if let Some((camera, region)) = region {
+                return region::piece(self.around.as_ref(), film, camera, region, view);
             }
             let mut pixels = vec![Rgb::BLACK; film.n_pixels()];
             film.compose(view, &mut pixels);
@@ -184,6 +200,10 @@ impl Picture {
                 pixels,
                 mean: None,
             }
+        };
+        let shown = self.read_film(link, |film, _, region| piece(film, region));
+        shown.unwrap_or_else(|| {
+            link.read(|published| piece(&published.film, link.region_of(published.generation)))
         })
     }
 

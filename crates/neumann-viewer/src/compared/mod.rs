@@ -228,11 +228,12 @@ impl Side {
         if self.slot != Slot::Live || session.region().is_some() {
             return self.pixels(session).at(fraction);
         }
-        session.link.read(|published| {
-            let film = &published.film;
+        let picture = &session.picture;
+        let radiance = picture.read_film(&session.link, |film, _, _| {
             let (x, y) = Placement::pixel(fraction, (film.width(), film.height()));
             film.radiance(self.part, y * film.width() + x)
-        })
+        });
+        radiance.unwrap_or_else(|| picture.planes.lock().plane(Slot::Live).radiance(fraction))
     }
 }
 

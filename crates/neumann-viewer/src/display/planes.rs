@@ -10,6 +10,8 @@ use neumann_core::film::{Film, View};
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::Thumbnail;
 
+use super::image_area::Placement;
+
 /// Which picture a plane holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
@@ -111,6 +113,17 @@ pub fn mean_of(pixels: &[Rgb]) -> f32 {
 }
 
 impl Plane {
+    /// The radiance at a share of width and height, of eleven bits.
+    #[must_use]
+    pub fn radiance(&self, fraction: [f32; 2]) -> Rgb {
+        let (x, y) = Placement::pixel(fraction, (self.width, self.height));
+        let at = 4 * (y * self.width + x);
+        match self.pixels.get(at..at + 3) {
+            Some([r, g, b]) => Rgb::new(r.to_f32(), g.to_f32(), b.to_f32()) * self.scale,
+            _ => Rgb::BLACK,
+        }
+    }
+
     fn fill(&mut self, width: usize, height: usize, pixels: &[Rgb], mean: f32) {
         const CHUNK: usize = 512;
         self.width = width;

@@ -12,6 +12,7 @@ use neumann_core::scene::builtin::builtin;
 use neumann_core::scene::description::Crop;
 use neumann_viewer::app::App;
 use neumann_viewer::display::Slot;
+use neumann_viewer::probe::Reading;
 use neumann_viewer::render_link::RenderLink;
 use neumann_viewer::{ViewOptions, command_line};
 
@@ -148,6 +149,7 @@ fn a_region_begins_with_the_picture_and_ends_with_it() {
     harness.run_steps(3);
     let (_, before, scale) = shown(&harness);
     let n = n_iterations(harness.state());
+    let first = probed(harness.state());
     for by_button in [false, true] {
         press(&mut harness, Key::B);
         draw(&mut harness);
@@ -167,6 +169,8 @@ fn a_region_begins_with_the_picture_and_ends_with_it() {
         assert!(harness.state().session.is_after_region());
         let (old, around, _) = shown(&harness);
         assert!(before == around && old != within);
+        // It is what is probed, too, though another film has begun.
+        assert_eq!(probed(harness.state()), first);
     }
     harness.state_mut().session.link.pause(false);
     wait(&mut harness, |app| app.session.catching_up().is_none());
@@ -175,6 +179,49 @@ fn a_region_begins_with_the_picture_and_ends_with_it() {
     assert_eq!(session.picture.size, (SIDE, SIDE));
     assert!(session.picture.around.is_none(), "its memory is given back");
     assert!(session.region().is_none());
+}
+
+/// What is read in the middle of the picture.
+fn probed(app: &App) -> Reading {
+    let settings = &app.viewing.settings;
+    neumann_viewer::views::picture::read(&app.session, settings, [0.5, 0.5])
+}
+
+#[test]
+fn a_picture_that_stays_is_what_is_probed() {
+    let mut harness = live_with([640.0, 420.0], None);
+    wait(&mut harness, |app| is_full(app, 12));
+    let first = probed(harness.state());
+    // The picture is left with more iterations than the next film has for a while.
+    let n = n_iterations(harness.state());
+    harness.set_size(vec2(720.0, 460.0));
+    harness.run_steps(3);
+    harness.state_mut().session.fit();
+    harness.run_steps(1);
+    let before = harness.state().session.picture.stats.n_iterations;
+    assert!(before >= n && harness.state().session.catching_up().is_some());
+    let generation = harness.state().session.link.generation();
+    let is_new = |app: &App| app.session.link.read(|p| p.generation == generation);
+    wait(&mut harness, is_new);
+    let app = harness.state();
+    assert!(
+        app.session.catching_up().is_some(),
+        "it has caught up already"
+    );
+    let reading = probed(app);
+    let planes = app.session.picture.planes.lock();
+    let plane = planes.plane(Slot::Live);
+    let index = 4 * (plane.height / 2 * plane.width + plane.width / 2);
+    let red = plane.pixels[index].to_f32() * plane.scale;
+    let red = neumann_viewer::widgets::significant(f64::from(red), 3);
+    assert!(
+        reading.lines[1].starts_with(&format!("{red} ")),
+        "{reading:?}"
+    );
+    assert_eq!(
+        reading.lines[0], first.lines[0],
+        "a place of the picture that stays"
+    );
 }
 
 #[test]

@@ -68,9 +68,7 @@ impl View for PictureView {
         image_area::draw(&painter, &placement, settings, planes, pictures, 0);
         if placement.magnification > 16.0 && pictures == Pictures::One(Slot::Live) {
             let exposure = settings.exposure_ev.exp2();
-            session.link.read(|published| {
-                let film = &published.film;
-                let region = session.link.region_of(published.generation);
+            session.picture.read_film(&session.link, |film, _, region| {
                 let place = region::rect(&placement, region.map(|(_, region)| region));
                 values::show(
                     &painter,

@@ -25,23 +25,40 @@ pub fn read(session: &Session, settings: &ViewSettings, fraction: [f32; 2]) -> R
 }
 
 fn of_live(session: &Session, settings: &ViewSettings, fraction: [f32; 2]) -> Reading {
-    session.link.read(|published| {
-        let divisor = published.divisor.max(1);
-        let film = &published.film;
-        let Some((_, region)) = session.link.region_of(published.generation) else {
-            return Reading::of_film(film, settings.part, fraction, divisor);
-        };
-        let (x, y) = Placement::pixel(fraction, region.of.into());
-        let place = format!("x {x}  y {y}");
-        match region::within(region, fraction) {
-            Some(share) => {
-                let mut reading = Reading::of_film(film, settings.part, share, divisor);
-                reading.lines[0] = place;
-                reading
+    let reading = session
+        .picture
+        .read_film(&session.link, |film, divisor, region| {
+            let Some((_, region)) = region else {
+                return Reading::of_film(film, settings.part, fraction, divisor);
+            };
+            let (x, y) = Placement::pixel(fraction, region.of.into());
+            let place = format!("x {x}  y {y}");
+            match region::within(region, fraction) {
+                Some(share) => {
+                    let mut reading = Reading::of_film(film, settings.part, share, divisor);
+                    reading.lines[0] = place;
+                    reading
+                }
+                None => Reading::outside_region(place),
             }
-            None => Reading::outside_region(place),
-        }
-    })
+        });
+    reading.unwrap_or_else(|| of_screen(session, fraction))
+}
+
+/// Reads what is on the screen, to its three digits, where its film is gone.
+fn of_screen(session: &Session, fraction: [f32; 2]) -> Reading {
+    let (x, y) = Placement::pixel(fraction, session.shown_size());
+    let planes = session.picture.planes.lock();
+    let radiance = planes.plane(Slot::Live).radiance(fraction).to_array();
+    let [r, g, b] = radiance.map(|channel| significant(f64::from(channel), 3));
+    Reading {
+        lines: vec![
+            format!("x {x}  y {y}"),
+            format!("{r}  {g}  {b}"),
+            "W m⁻² sr⁻¹".to_owned(),
+        ],
+        bounces: Vec::new(),
+    }
 }
 
 fn of_side(session: &Session, settings: &ViewSettings, side: &Side, fraction: [f32; 2]) -> Reading {

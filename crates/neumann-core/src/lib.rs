@@ -22,6 +22,7 @@
 //! | [`endpoint`] | both ends of a path: lights and cameras |
 //! | [`scene`] | files, their description, and the scene ready to trace |
 //! | [`transport`] | vertices, visibility, one integral of reflection |
+//! | [`expression`] | kinds of paths, as light path expressions name them |
 //! | [`film`] | contributions, layers by bounce, views |
 //! | [`photons`] | light vertices kept and found again by place |
 //! | [`pass`] | one iteration: its paths in parallel, and where their contributions go |
@@ -109,6 +110,8 @@ pub mod endpoint;
 pub mod scene;
 
 pub mod transport;
+
+pub mod expression;
 
 pub mod film;
 pub mod photons;

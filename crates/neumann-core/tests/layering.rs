@@ -11,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms in their order; those of one line may use each other.
-const ROOMS: [&[&str]; 14] = [
+const ROOMS: [&[&str]; 15] = [
     &["math"],
     &["radiometry"],
     &["sampling"],
@@ -23,6 +23,7 @@ const ROOMS: [&[&str]; 14] = [
     &["endpoint"],
     &["scene"],
     &["transport"],
+    &["expression"],
     &["film"],
     &["photons"],
     &["pass"],

@@ -5,8 +5,8 @@
 //! a whole film with its history, so that a render can be gone on with; [`image_file`] reads any
 //! picture back; [`compare`] measures how far two are apart; [`photons`] colours photons,
 //! [`quantity`] what a pixel holds beside radiance; [`histogram`] counts how bright they are;
-//! [`sheet`] lays out the series; [`figures`] writes numbers; [`state`] keeps all that a person has
-//! chosen.
+//! [`inspection`] says by which paths light came to one; [`sheet`] lays out the series; [`figures`]
+//! writes numbers; [`state`] keeps all that a person has chosen.
 //!
 //! Knows no window and no terminal.
 
@@ -18,6 +18,7 @@ pub mod figures;
 pub mod files;
 pub mod histogram;
 pub mod image_file;
+pub mod inspection;
 pub mod photons;
 pub mod png_file;
 pub mod quantity;

@@ -12,11 +12,13 @@ mod console;
 mod explain;
 mod failure;
 mod info;
+mod inspect;
 mod interrupt;
 mod list;
 mod merge;
 mod options;
 mod outputs;
+mod paths;
 mod progress;
 mod race;
 mod render;
@@ -51,6 +53,7 @@ fn main() -> ExitCode {
         Some(Command::View(arguments)) => view::run(&arguments),
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Replay(arguments)) => replay::run(&arguments),
+        Some(Command::Inspect(arguments)) => inspect::run(&arguments),
         Some(Command::Series(arguments)) => series::run(&arguments),
         Some(Command::Race(arguments)) => race::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),

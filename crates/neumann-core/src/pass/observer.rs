@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use crate::film::{Contribution, Joint};
 use crate::radiometry::Rgb;
-use crate::transport::{PathVertex, SharedTrail, Trail};
+use crate::scene::Scene;
+use crate::transport::{Bounce, PathVertex, SharedTrail, Trail};
 
 /// The name of a path, unique in its iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -46,6 +47,31 @@ impl Replayed {
     #[must_use]
     pub fn value(&self) -> Rgb {
         self.contribution.value * (self.contribution.mis_weight * self.share)
+    }
+
+    /// All vertices from the eye to the light, those that two parts have in common once.
+    #[must_use]
+    pub fn vertices(&self) -> Vec<&PathVertex> {
+        let is_merge = self.contribution.strategy.joint == Joint::Merge;
+        let light = self.light.iter().rev().skip(usize::from(is_merge));
+        self.camera.iter().chain(light).collect()
+    }
+
+    /// Index of the material that the light is emitted by, if it comes from a surface.
+    #[must_use]
+    pub fn emitter(&self, scene: &Scene) -> Option<u32> {
+        let triangle = self.vertices().last()?.triangle?;
+        let geometry = scene.geometry();
+        let mesh = geometry.facet(triangle).mesh as usize;
+        Some(geometry.meshes().get(mesh)?.material)
+    }
+
+    /// What happens between the eye and the light.
+    #[must_use]
+    pub fn bounces(&self) -> Vec<Bounce> {
+        let vertices = self.vertices();
+        let triples = vertices.windows(3);
+        triples.map(|v| Bounce::new([v[0], v[1], v[2]])).collect()
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod adaptive;
 mod behind_backs;
+mod inspection;
 mod iteration_times;
 mod job;
 mod ladder;
@@ -19,6 +20,7 @@ mod settings;
 mod summary;
 
 pub use behind_backs::hidden_by_backs;
+pub use inspection::{Inspection, Measured, SampleCount, WayShare};
 pub use iteration_times::IterationTimes;
 pub use job::{Job, StopRule};
 pub use own_light::lit;

@@ -1,6 +1,7 @@
 //! Steps of paths: meeting a surface, asking who sees whom, one integral of reflection.
 
 mod bent;
+mod bounce;
 mod crossings;
 pub(crate) mod diffuse;
 mod medium;
@@ -10,6 +11,7 @@ mod tracer;
 mod trail;
 mod vertex;
 
+pub use bounce::Bounce;
 pub use tracer::Tracer;
 pub(crate) use tracer::is_segment;
 pub use trail::{Event, Lobe, PathVertex, VertexKind};

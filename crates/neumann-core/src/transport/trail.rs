@@ -33,7 +33,7 @@ pub enum VertexKind {
 }
 
 /// The part of a BSDF that scatters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Lobe {
     /// Alike in all directions.
     Diffuse,
@@ -100,6 +100,15 @@ pub struct PathVertex {
 }
 
 impl PathVertex {
+    /// Towards this vertex from another one, of any length.
+    #[must_use]
+    pub fn direction_from(&self, other: &Self) -> Vec3 {
+        match self.kind {
+            VertexKind::FarLight => self.position,
+            _ => self.position - other.position,
+        }
+    }
+
     fn end(kind: VertexKind, position: Vec3, throughput: Rgb) -> Self {
         Self {
             kind,

@@ -49,6 +49,16 @@ pub(crate) fn pixel(text: &str) -> Result<[u32; 2], String> {
     parse().ok_or_else(|| "use COLUMN,ROW such as 12,40, each from 0 on".to_owned())
 }
 
+/// A technique: vertices from the light, and from the camera.
+pub(crate) fn technique(text: &str) -> Result<[u16; 2], String> {
+    let parse = || {
+        let (s, t) = text.split_once(',')?;
+        Some([s.trim().parse().ok()?, t.trim().parse().ok()?])
+    };
+    parse()
+        .ok_or_else(|| "use S,T such as 1,2: vertices from the light, from the camera".to_owned())
+}
+
 /// A whole number of a range.
 pub(crate) fn whole(
     range: RangeInclusive<u32>,

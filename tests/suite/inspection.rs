@@ -38,7 +38,10 @@ fn inspect(setup: &Setup, scene: &Arc<Scene>, pixels: &[[u32; 2]]) -> Vec<Inspec
     let mut inspected = vec![Inspection::default(); pixels.len()];
     for iteration in 0..N_ITERATIONS {
         let replayed = renderer.replay(iteration, pixels, &CancelToken::default());
-        for (inspected, replayed) in inspected.iter_mut().zip(replayed.unwrap()) {
+        for (inspected, replayed) in inspected
+            .iter_mut()
+            .zip(replayed.expect("nobody cancels it"))
+        {
             for path in &replayed {
                 let (n, k) = (path.bounces().len(), path.contribution.bounce);
                 assert_eq!(n, k as usize, "{path:#?}");
@@ -70,9 +73,11 @@ fn sums_are_those_of_the_film() {
             let mut renderer = Renderer::new(Arc::clone(&scene), settings, pool(), 0);
             renderer.record_techniques(Some(1));
             for _ in 0..N_ITERATIONS {
-                renderer.iterate(&CancelToken::default()).unwrap();
+                renderer
+                    .iterate(&CancelToken::default())
+                    .expect("nobody cancels it");
             }
-            let techniques = renderer.techniques().unwrap();
+            let techniques = renderer.techniques().expect("they are recorded");
             let mut images = HashMap::new();
             let mut n_paths = 0;
             for (pixel, inspected) in pixels.iter().zip(inspect(&setup, &scene, &pixels)) {
@@ -108,14 +113,14 @@ fn sums_are_those_of_the_film() {
 #[test]
 fn kinds_of_paths_add_up() {
     let scene = builtin("cornell-glass");
-    let read = |text: &str| Expression::new(text, &scene).unwrap();
+    let read = |text: &str| Expression::new(text, &scene).expect("an expression");
     let kinds = ["L E", "L S+ E", "L .* [DG] S* E"].map(read);
     for (_, text) in PRESETS {
         read(text);
     }
     let pixels = pixels(99);
     for id in ["naive", "pt-mis", "bdpt", "vcm"] {
-        let method = neumann_core::integrator::method(id).unwrap();
+        let method = neumann_core::integrator::method(id).expect("a method of the registry");
         for inspected in inspect(&setup(&scene, method), &scene, &pixels) {
             for way in inspected.ways() {
                 let kinds = kinds.iter();

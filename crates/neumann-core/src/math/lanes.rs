@@ -92,6 +92,35 @@ macro_rules! number_side_by_side {
 number_side_by_side!(f32);
 number_side_by_side!(u32);
 
+/// So many of one kind.
+impl<T: Laned + Default, const N: usize> Laned for [T; N] {
+    type Lanes = [T::Lanes; N];
+
+    #[inline(always)]
+    fn of_lane(lanes: &Self::Lanes, lane: usize) -> Self {
+        // `std::array::from_fn` is not always inlined.
+        let mut all = [T::default(); N];
+        for (value, lanes) in all.iter_mut().zip(lanes) {
+            *value = T::of_lane(lanes, lane);
+        }
+        all
+    }
+
+    #[inline(always)]
+    fn set_lane(self, lanes: &mut Self::Lanes, lane: usize) {
+        for (value, lanes) in self.into_iter().zip(lanes) {
+            value.set_lane(lanes, lane);
+        }
+    }
+
+    #[inline(always)]
+    fn set_lane_if(self, is_set: bool, lanes: &mut Self::Lanes, lane: usize) {
+        for (value, lanes) in self.into_iter().zip(lanes) {
+            value.set_lane_if(is_set, lanes, lane);
+        }
+    }
+}
+
 /// Makes of a struct one of which each field has all lanes.
 macro_rules! side_by_side {
     ($(#[$attribute:meta])* $visibility:vis struct $lanes:ident of $type:ident {

@@ -242,11 +242,6 @@ impl DiffuseSamples {
         }
     }
 
-    /// All directions with their densities.
-    pub(crate) fn drawn(&self) -> (&Vec3Lanes, &Lanes<f32>) {
-        (&self.direction, &self.pdf_w)
-    }
-
     /// Puts a direction that was drawn elsewhere in the place of the lane's, if `is_set`, with what
     /// the surface makes of it.
     #[inline(always)]
@@ -267,9 +262,10 @@ impl DiffuseSamples {
         self.is_drawn.set(lane, is_drawn & mask | before & !mask);
     }
 
-    /// Says that the directions have other densities than those of the BSDF.
-    pub(crate) fn set_pdf_w(&mut self, pdf_w: &Lanes<f32>) {
-        self.pdf_w = *pdf_w;
+    /// Says that a direction has another density than that of the BSDF.
+    #[inline(always)]
+    pub(crate) fn set_pdf_w(&mut self, lane: usize, pdf_w: f32) {
+        self.pdf_w.set(lane, pdf_w);
     }
 
     /// False where there is no light this way.

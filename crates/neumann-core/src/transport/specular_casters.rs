@@ -17,7 +17,7 @@ use super::{SurfaceVertex, VertexSample};
 use crate::bsdf::TransportMode;
 use crate::endpoint::Receiver;
 use crate::math::Frame;
-use crate::math::lanes::{LANES, Lanes, Vec3Lanes, select, side_by_side, vectorized};
+use crate::math::lanes::{LANES, Laned, Lanes, Vec3Lanes, select, side_by_side, vectorized};
 use crate::sampling::discrete::one_of_two;
 use crate::sampling::mis::power_heuristic;
 use crate::sampling::warp;
@@ -99,8 +99,9 @@ impl Choice {
         let rest = (number - self.start) / cone.share;
         // False where the share is 0.
         let is_reached = (rest >= 0.0) & (cone.share > 0.0);
-        let [x, y, z] = [0, 1, 2].map(|i| select(is_reached, cone.axis[i], self.axis[i]));
-        self.axis = Vec3::new(x, y, z);
+        self.axis.x = select(is_reached, cone.axis.x, self.axis.x);
+        self.axis.y = select(is_reached, cone.axis.y, self.axis.y);
+        self.axis.z = select(is_reached, cone.axis.z, self.axis.z);
         self.height = select(is_reached, cone.height, self.height);
         self.rest = select(is_reached, rest.min(1.0), self.rest);
         self.start += cone.share;
@@ -123,6 +124,15 @@ fn in_cone(axis: Vec3, height: f32, u: [f32; 2]) -> Vec3 {
     Frame::from_z(axis).world_from_local(Vec3::new(p.x * scale, p.y * scale, 1.0 - depth))
 }
 
+/// Specular casters in an array of a length that is known beforehand.
+fn filled_up(casters: &[SpecularCaster]) -> [SpecularCaster; SpecularCaster::MAX] {
+    let nothing = SpecularCaster {
+        center: Vec3::ZERO,
+        radius: 0.0,
+    };
+    std::array::from_fn(|i| casters.get(i).copied().unwrap_or(nothing))
+}
+
 /// The specular casters seen from a vertex.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cones {
@@ -141,25 +151,41 @@ impl Cones {
         if casters.is_empty() || !vertex.bsdf.has_density() || vertex.bsdf.roughness() < 1.0 {
             return None;
         }
-        let mut seen = Self::default();
-        let from = vertex.receiver();
-        for caster in casters {
-            let cone = Cone::new(caster, casters.len(), &from);
-            seen.cones[seen.n] = cone;
-            seen.n += 1;
+        let n = casters.len();
+        Some(Self::new(&filled_up(casters), n, &vertex.receiver()))
+    }
+
+    /// The first `n` specular casters.
+    #[inline(always)]
+    fn new(casters: &[SpecularCaster; SpecularCaster::MAX], n: usize, from: &Receiver) -> Self {
+        let mut seen = Self {
+            n,
+            ..Self::default()
+        };
+        for (cone, caster) in seen.cones[..n].iter_mut().zip(casters) {
+            *cone = Cone::new(caster, n, from);
             seen.share += cone.share;
         }
-        Some(seen)
+        seen
     }
 
     /// Density of a direction, 1/sr, to which the BSDF gives `pdf_w`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn mixed(&self, wi: Vec3, pdf_w: f32) -> f32 {
+        let of_bsdf = pdf_w * (1.0 - self.share);
         let cones = self.cones[..self.n].iter();
-        cones.fold(pdf_w * (1.0 - self.share), |sum, cone| {
-            sum + cone.density(wi)
-        })
+        cones.fold(of_bsdf, |sum, cone| sum + cone.density(wi))
+    }
+
+    /// The direction that is drawn from a cone.
+    #[inline(always)]
+    fn direction(&self, u: f32, rest: f32) -> Vec3 {
+        let mut choice = Choice::default();
+        for cone in &self.cones[..self.n] {
+            choice.offer(cone, rest * self.share);
+        }
+        choice.direction(u)
     }
 
     /// Draws a direction from the mixture; `None` means no light this way. The numbers are those
@@ -174,11 +200,7 @@ impl Cones {
     ) -> Option<VertexSample> {
         let (is_aimed, rest) = one_of_two(u[2], self.share);
         if is_aimed {
-            let mut choice = Choice::default();
-            for cone in &self.cones[..self.n] {
-                choice.offer(cone, rest * self.share);
-            }
-            let wi = choice.direction(u[1]);
+            let wi = self.direction(u[1], rest);
             let (f_cos, pdf_w) = vertex.f_cos_and_pdf_w(wi, mode)?;
             return Some(VertexSample {
                 wi,
@@ -203,48 +225,71 @@ impl Cones {
     #[inline]
     #[must_use]
     pub fn beside(&self, aimed: Aimed) -> Aimed {
-        // 0 stays: the mixture finds no more lights than the BSDF does.
-        let is_found = aimed.pdf_w_bsdf > 0.0;
         Aimed {
-            pdf_w_bsdf: select(is_found, self.mixed(aimed.wi, aimed.pdf_w_bsdf), 0.0),
+            pdf_w_bsdf: self.aimed(aimed.wi, aimed.pdf_w_bsdf),
             ..aimed
         }
     }
-}
 
-/// The specular casters seen from the vertices of all lanes.
-#[derive(Default)]
-pub(crate) struct ConeLanes {
-    cones: [OneConeLanes; SpecularCaster::MAX],
-    n: usize,
-    share: Lanes<f32>,
-    choice: ChoiceLanes,
-    /// 1 where a direction is drawn from a cone.
-    is_aimed: Lanes<u32>,
-    /// Of the mixture.
-    density: Lanes<f32>,
-}
-
-side_by_side! {
-    /// A [`Choice`] in each lane.
-    struct ChoiceLanes of Choice { axis: Vec3, height: f32, rest: f32, start: f32 }
+    /// Density of a direction that was aimed along. 0 stays: the mixture finds no more lights than
+    /// the BSDF does.
+    #[inline(always)]
+    fn aimed(&self, wi: Vec3, pdf_w: f32) -> f32 {
+        select(pdf_w > 0.0, self.mixed(wi, pdf_w), 0.0)
+    }
 }
 
 side_by_side! {
     /// A [`Cone`] in each lane.
-    struct OneConeLanes of Cone { axis: Vec3, height: f32, share: f32, density: f32 }
+    struct ConeLanes of Cone { axis: Vec3, height: f32, share: f32, density: f32 }
 }
 
-impl ConeLanes {
+/// [`Cones`] in each lane, as many in one as in the other.
+#[derive(Default)]
+pub(crate) struct ConesLanes {
+    cones: [ConeLanes; SpecularCaster::MAX],
+    n: usize,
+    share: Lanes<f32>,
+}
+
+/// A loop over lanes in which the number of cones is a constant. The loop over the cones within it
+/// is then unrolled, so that the loop over lanes becomes vectors.
+macro_rules! for_each_lane {
+    ($number:expr, |$n:ident, $lane:ident| $body:block) => {
+        match $number {
+            1 => for_each_lane!(1 => $n, $lane, $body),
+            2 => for_each_lane!(2 => $n, $lane, $body),
+            3 => for_each_lane!(3 => $n, $lane, $body),
+            _ => for_each_lane!(SpecularCaster::MAX => $n, $lane, $body),
+        }
+    };
+    ($number:expr => $n:ident, $lane:ident, $body:block) => {{
+        const $n: usize = $number;
+        for $lane in 0..LANES $body
+    }};
+}
+
+impl ConesLanes {
+    /// Those of a lane; `n` is their number.
+    #[inline(always)]
+    fn get(&self, lane: usize, n: usize) -> Cones {
+        Cones {
+            cones: Laned::of_lane(&self.cones, lane),
+            n,
+            share: self.share.get(lane),
+        }
+    }
+
     /// [`Cones::seen_from`], from diffuse vertices.
     pub(crate) fn see(&mut self, casters: &[SpecularCaster], vertices: &DiffuseVertices<'_>) {
-        see(self, casters, vertices);
+        self.n = casters.len();
+        see(self, &filled_up(casters), vertices);
     }
 
     /// [`Cones::beside`]: MIS weights of light that was aimed at along `wi`, with the densities of
     /// light and BSDF.
     pub(crate) fn weigh(
-        &mut self,
+        &self,
         wi: &Vec3Lanes,
         pdf_w_light: &Lanes<f32>,
         pdf_w_bsdf: &Lanes<f32>,
@@ -253,118 +298,82 @@ impl ConeLanes {
         weigh(self, wi, pdf_w_light, pdf_w_bsdf, weights);
     }
 
-    /// The first part of [`Cones::sample`]: decides what the directions are drawn from, and leaves
-    /// the numbers for those that the BSDF draws.
-    pub(crate) fn choose(&mut self, u: &mut [Lanes<f32>; 3]) {
-        choose(self, u);
+    /// [`Cones::sample`], in two parts with the draw of the BSDF between them. The first part
+    /// decides what the directions are drawn from (1 where it is a cone), and leaves the numbers
+    /// for those that the BSDF draws.
+    pub(crate) fn choose(&self, u: &mut [Lanes<f32>; 3], is_aimed: &mut Lanes<u32>) {
+        choose(self, u, is_aimed);
     }
 
     /// The second part, where the BSDF has drawn `samples` by these numbers.
     pub(crate) fn sample(
-        &mut self,
+        &self,
         vertices: &DiffuseVertices<'_>,
         u: &[Lanes<f32>; 3],
+        is_aimed: &Lanes<u32>,
         mode: TransportMode,
         samples: &mut DiffuseSamples,
     ) {
-        sample(self, vertices, u, mode, samples);
+        sample(self, vertices, u, is_aimed, mode, samples);
     }
 }
 
 vectorized! {
-    fn see(seen: &mut ConeLanes, casters: &[SpecularCaster], vertices: &DiffuseVertices<'_>) {
-        let ConeLanes { cones, n, share, .. } = seen;
-        *n = casters.len();
-        *share = Lanes::default();
-        for (caster, cones) in casters.iter().zip(cones) {
-            see_one(cones, share, *caster, *n, vertices);
-        }
-    }
-}
-
-#[inline(always)]
-fn see_one(
-    cones: &mut OneConeLanes,
-    share: &mut Lanes<f32>,
-    caster: SpecularCaster,
-    n: usize,
-    vertices: &DiffuseVertices<'_>,
-) {
-    for lane in 0..LANES {
-        let cone = Cone::new(&caster, n, &vertices.receiver(lane));
-        cones.set(lane, cone);
-        share.set(lane, share.get(lane) + cone.share);
+    fn see(
+        seen: &mut ConesLanes,
+        casters: &[SpecularCaster; SpecularCaster::MAX],
+        vertices: &DiffuseVertices<'_>,
+    ) {
+        for_each_lane!(seen.n, |N, lane| {
+            let cones = Cones::new(casters, N, &vertices.receiver(lane));
+            cones.cones.set_lane(&mut seen.cones, lane);
+            seen.share.set(lane, cones.share);
+        });
     }
 }
 
 vectorized! {
     fn weigh(
-        seen: &mut ConeLanes,
+        seen: &ConesLanes,
         wi: &Vec3Lanes,
         pdf_w_light: &Lanes<f32>,
         pdf_w_bsdf: &Lanes<f32>,
         weights: &mut Lanes<f32>,
     ) {
-        mix(seen, wi, pdf_w_bsdf);
-        for lane in 0..LANES {
-            let is_found = pdf_w_bsdf.get(lane) > 0.0;
-            let mixed = select(is_found, seen.density.get(lane), 0.0);
-            weights.set(lane, power_heuristic(pdf_w_light.get(lane), mixed));
-        }
+        for_each_lane!(seen.n, |N, lane| {
+            let pdf_w = seen.get(lane, N).aimed(wi.get(lane), pdf_w_bsdf.get(lane));
+            weights.set(lane, power_heuristic(pdf_w_light.get(lane), pdf_w));
+        });
     }
 }
 
 vectorized! {
-    fn choose(seen: &mut ConeLanes, u: &mut [Lanes<f32>; 3]) {
-        let ConeLanes { cones, n, share, choice, is_aimed: aimed, .. } = seen;
-        choice.start = Lanes::default();
+    fn choose(seen: &ConesLanes, u: &mut [Lanes<f32>; 3], aimed: &mut Lanes<u32>) {
         for lane in 0..LANES {
-            let (is_aimed, rest) = one_of_two(u[2].get(lane), share.get(lane));
+            let (is_aimed, rest) = one_of_two(u[2].get(lane), seen.share.get(lane));
             aimed.set(lane, u32::from(is_aimed));
             u[2].set(lane, rest);
-        }
-        for cones in &cones[..*n] {
-            for lane in 0..LANES {
-                let mut of_lane = choice.get(lane);
-                of_lane.offer(&cones.get(lane), u[2].get(lane) * share.get(lane));
-                choice.set(lane, of_lane);
-            }
         }
     }
 }
 
 vectorized! {
     fn sample(
-        seen: &mut ConeLanes,
+        seen: &ConesLanes,
         vertices: &DiffuseVertices<'_>,
         u: &[Lanes<f32>; 3],
+        is_aimed: &Lanes<u32>,
         mode: TransportMode,
         samples: &mut DiffuseSamples,
     ) {
-        for lane in 0..LANES {
-            let wi = seen.choice.get(lane).direction(u[1].get(lane));
-            let vertex = vertices.vertex(lane);
-            let found = vertex.f_cos_and_pdf_w(wi, mode);
-            let is_aimed = seen.is_aimed.get(lane) != 0;
-            samples.replace(is_aimed, lane, wi, found);
-        }
-        let (wi, pdf_w) = samples.drawn();
-        mix(seen, wi, pdf_w);
-        samples.set_pdf_w(&seen.density);
-    }
-}
-
-/// [`Cones::mixed`].
-#[inline(always)]
-fn mix(seen: &mut ConeLanes, wi: &Vec3Lanes, pdf_w: &Lanes<f32>) {
-    let density = &mut seen.density;
-    for lane in 0..LANES {
-        density.set(lane, pdf_w.get(lane) * (1.0 - seen.share.get(lane)));
-    }
-    for cones in &seen.cones[..seen.n] {
-        for lane in 0..LANES {
-            let of_cone = cones.get(lane).density(wi.get(lane));
-            density.set(lane, density.get(lane) + of_cone);
-        }
+        for_each_lane!(seen.n, |N, lane| {
+            let wi = seen.get(lane, N).direction(u[1].get(lane), u[2].get(lane));
+            let found = vertices.vertex(lane).f_cos_and_pdf_w(wi, mode);
+            samples.replace(is_aimed.get(lane) != 0, lane, wi, found);
+        });
+        for_each_lane!(seen.n, |N, lane| {
+            let drawn = samples.get(lane);
+            samples.set_pdf_w(lane, seen.get(lane, N).mixed(drawn.wi, drawn.pdf_w));
+        });
     }
 }

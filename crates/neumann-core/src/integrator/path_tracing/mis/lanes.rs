@@ -12,7 +12,7 @@ use crate::pass::{PixelPath, PixelPlace, PixelSink, Pixels, Splits};
 use crate::sampling::{BounceNumbers, Sampler};
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
 use crate::transport::reflection::{Aimed, aim_at_light, light_sample};
-use crate::transport::specular_casters::{ConeLanes, Cones};
+use crate::transport::specular_casters::{Cones, ConesLanes};
 use crate::transport::{SurfaceVertex, Tracer, VertexSample};
 
 use super::walk::{Carried, CarriedLanes, N_SPLITS, Path, PathTracer};
@@ -143,7 +143,9 @@ struct Other<'a> {
 struct StepLanes {
     numbers: DirectionNumbers,
     panels: PanelLanes,
-    cones: ConeLanes,
+    cones: ConesLanes,
+    /// 1 where a direction is drawn from a cone.
+    is_aimed: Lanes<u32>,
     /// What comes from the lights.
     light: Unseen,
     wi: Vec3Lanes,
@@ -311,7 +313,8 @@ impl<'a> Step<'a> {
             let has_casters = !walk.specular_casters.is_empty();
             if has_casters {
                 events.cones.see(walk.specular_casters, vertices);
-                events.cones.choose(&mut events.numbers.bsdf);
+                let u = &mut events.numbers.bsdf;
+                events.cones.choose(u, &mut events.is_aimed);
             }
             vertices.sample(&events.numbers.bsdf, MODE, &mut events.samples);
             if has_casters {
@@ -448,7 +451,8 @@ impl StepLanes {
     /// Draws these directions.
     fn sample_cones(&mut self, vertices: &DiffuseVertices<'_>) {
         let u = &self.numbers.bsdf;
-        self.cones.sample(vertices, u, MODE, &mut self.samples);
+        self.cones
+            .sample(vertices, u, &self.is_aimed, MODE, &mut self.samples);
     }
 }
 

@@ -219,7 +219,7 @@ impl RenderLink {
 }
 
 /// Lets the interface go first: workers take what it leaves of the processors.
-fn yield_to_interface() {
+pub(crate) fn yield_to_interface() {
     lower_priority(10);
 }
 

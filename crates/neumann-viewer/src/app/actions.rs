@@ -21,6 +21,9 @@ use crate::shell::WindowRequest;
 impl App {
     /// Does what a key or a button asks for.
     pub fn perform(&mut self, ctx: &Context, action: Action) {
+        if self.viewing.views.perform(action) {
+            return;
+        }
         let n_layers = self.session.setup.n_layers;
         match action {
             Action::Term(k) if k < n_layers => self.viewing.settings.part = Part::Term(k),

@@ -9,6 +9,7 @@
 //! its row [`Needs`]. What the film is, and which part of the series is chosen, is not its own: a
 //! *part* (`neumann_core::film::View`) is shown by a *view*.
 
+pub mod inspect;
 pub mod photons;
 pub mod picture;
 mod plate;
@@ -23,7 +24,7 @@ use neumann_picture::png_file::Pixels8;
 
 use crate::display::ViewSettings;
 use crate::display::image_area::Placement;
-use crate::keys::HelpLine;
+use crate::keys::{Action, HelpLine};
 use crate::notices::Notices;
 use crate::panels::Page;
 use crate::pick::Picked;
@@ -41,6 +42,7 @@ pub static VIEWS: &[&Row] = &[
     &quantity::SAMPLES,
     &techniques::ROW,
     &photons::ROW,
+    &inspect::ROW,
 ];
 
 /// Draw calls that a view may make, numbered from 0 on.
@@ -119,6 +121,12 @@ pub trait View: Any {
     /// What is saved or copied while it is shown; `None` before there is anything.
     fn image(&self, session: &Session, settings: &ViewSettings) -> Option<Shown>;
 
+    /// What a key asks for, where that means something of its own in this view. False if it does
+    /// not.
+    fn perform(&mut self, _action: Action) -> bool {
+        false
+    }
+
     /// `Esc`: one step back within it. False if there is none; the picture is shown then.
     fn step_back(&mut self) -> bool {
         false
@@ -183,6 +191,12 @@ impl Views {
         all.find_map(|view| (view.as_ref() as &dyn Any).downcast_ref())
     }
 
+    /// The same, to be changed.
+    pub fn get_mut<V: View>(&mut self) -> Option<&mut V> {
+        let mut all = self.all.iter_mut();
+        all.find_map(|view| (view.as_mut() as &mut dyn Any).downcast_mut())
+    }
+
     /// Shows a view, by its id.
     ///
     /// # Errors
@@ -233,6 +247,11 @@ impl Views {
             self.all[self.shown].close();
             self.shown = 0;
         }
+    }
+
+    /// What a key asks for, where the view that is shown does something of its own then.
+    pub fn perform(&mut self, action: Action) -> bool {
+        self.all[self.shown].perform(action)
     }
 
     /// One step back, at last to the picture; false if that is shown.

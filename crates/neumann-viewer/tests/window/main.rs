@@ -8,6 +8,7 @@ mod edits;
 mod files;
 mod film;
 mod histogram;
+mod inspect;
 mod kept_views;
 mod region;
 mod series;

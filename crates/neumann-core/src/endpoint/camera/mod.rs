@@ -331,6 +331,27 @@ impl Camera {
         })
     }
 
+    /// The raster position at which a point is seen from the middle of the lens, which may lie
+    /// beside the film; `None` for points behind the camera.
+    #[must_use]
+    pub fn seen_at(&self, x: Vec3) -> Option<Vec2> {
+        let from = x - self.position;
+        let film = Vec2::new(from.dot(self.right), from.dot(self.up));
+        let film = match self.projection {
+            Projection::Orthographic { .. } => film,
+            Projection::Perspective { .. } => {
+                let depth = from.dot(self.forward);
+                if depth <= 1e-6 * from.length() {
+                    return None;
+                }
+                film / depth
+            }
+        };
+        let middle = Vec2::new(0.5 * self.width, 0.5 * self.height);
+        let raster = (film - self.shift) * self.pixels_per_film + middle;
+        raster.is_finite().then_some(raster)
+    }
+
     #[inline]
     fn lens_point(&self, u: [f32; 2]) -> Vec2 {
         match self.lens {
@@ -430,6 +451,28 @@ mod tests {
             crop: None,
         };
         Camera::new(&description, 64, 48)
+    }
+
+    #[test]
+    fn points_are_seen_where_their_rays_start() {
+        for projection in [
+            Projection::Perspective { yfov: 0.8 },
+            Projection::Orthographic { ymag: 2.0 },
+        ] {
+            let camera = camera(None, projection);
+            for raster in [
+                Vec2::new(3.0, 40.0),
+                Vec2::new(63.5, 0.5),
+                Vec2::new(90.0, -20.0),
+            ] {
+                let ray = camera.ray(raster, [0.5, 0.5]).ray;
+                let seen = camera.seen_at(ray.at(2.5)).unwrap();
+                assert!((seen - raster).length() < 1e-3, "{seen} for {raster}");
+            }
+        }
+        let perspective = camera(None, Projection::Perspective { yfov: 0.8 });
+        let behind = perspective.position() - perspective.forward();
+        assert_eq!(perspective.seen_at(behind), None);
     }
 
     #[test]

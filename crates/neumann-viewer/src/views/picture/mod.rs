@@ -10,6 +10,7 @@ mod wipe;
 use egui::{Align2, Color32, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2};
 
 pub use self::probed::read;
+pub(super) use self::shown::image as shown_image;
 
 use self::caption::Caption;
 use super::{Needs, Row, Shown, Stage, View, plate};

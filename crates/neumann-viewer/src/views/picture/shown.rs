@@ -13,7 +13,7 @@ use crate::display::ViewSettings;
 use crate::session::Session;
 
 /// The picture alone where its colours are those of a picture, else a sheet that explains them.
-pub(super) fn image(session: &Session, settings: &ViewSettings) -> Shown {
+pub(in crate::views) fn image(session: &Session, settings: &ViewSettings) -> Shown {
     let compared = Compared::of(session, settings);
     let part = settings.part;
     if let Some(sides) = compared.sides() {

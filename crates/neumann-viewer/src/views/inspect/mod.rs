@@ -1,0 +1,302 @@
+//! Why a pixel is as bright as it is: its bounces, techniques, ways and paths, and the paths drawn
+//! over the picture.
+//!
+//! While the view is open a thread of its own replays the iterations that the film has, pixel by
+//! pixel. [`InspectView`] owns what is looked at; `worker` replays, `column` lays out the figures,
+//! `drawing` draws paths, `outside` shows them from another side.
+
+mod column;
+mod drawing;
+mod list;
+mod outside;
+mod worker;
+
+use std::sync::Arc;
+
+use egui::{Key, Modifiers, PointerButton, Pos2, Rect, Ui, pos2};
+use neumann_core::render::{Inspection, Job, Replayed};
+
+use self::list::List;
+use self::outside::Outside;
+use self::worker::Worker;
+use super::{Needs, Row, Shown, Stage, View};
+use super::{picture, plate};
+use crate::display::image_area::{self, Pictures, Placement};
+use crate::display::{Slot, ViewSettings};
+use crate::keys::{self, Action};
+use crate::panels::Page;
+use crate::probe::Reading;
+use crate::region;
+use crate::session::Session;
+use crate::theme::{GRID, Palette};
+
+/// Its row.
+pub static ROW: Row = Row {
+    id: ID,
+    page: Page::Method,
+    title: "Inspect a pixel",
+    about: "Why a pixel is as bright as it is: its bounces, techniques and paths. Click a pixel",
+    key: Some(keys::line(
+        keys::DISPLAY,
+        "Q",
+        "question a pixel: its paths",
+        &[keys::on(keys::NONE, Key::Q, Action::View(ID))],
+    )),
+    needs: Needs::NOTHING,
+    refusal: |_| None,
+    build: || Box::new(InspectView::default()),
+};
+
+const ID: &str = "inspect";
+/// Width of the figures beside the picture, points: at most, at least, and as a share of the stage.
+const COLUMN: (f32, f32, f32) = (380.0, 190.0, 0.44);
+
+/// The inspector: which pixel, and what of it is looked at.
+#[derive(Default)]
+pub struct InspectView {
+    /// Column and row in the whole picture.
+    pub pixel: Option<[usize; 2]>,
+    /// The paths that are listed, and which of them is chosen.
+    pub list: List,
+    worker: Option<Worker>,
+    found: Arc<Inspection>,
+    outside: Outside,
+}
+
+impl InspectView {
+    /// What has been found so far.
+    #[must_use]
+    pub fn found(&self) -> &Inspection {
+        &self.found
+    }
+
+    /// Looks at another pixel.
+    pub fn inspect(&mut self, pixel: [usize; 2]) {
+        if self.pixel != Some(pixel) {
+            self.pixel = Some(pixel);
+            self.forget();
+        }
+    }
+
+    fn forget(&mut self) {
+        self.worker = None;
+        self.found = Arc::default();
+        self.list.forget();
+    }
+
+    /// The paths that are listed.
+    pub fn listed(&self) -> impl Iterator<Item = &Replayed> {
+        self.list.rows(&self.found).map(|((_, path), _)| path)
+    }
+
+    /// The path that is chosen.
+    #[must_use]
+    pub fn chosen(&self) -> Option<&Replayed> {
+        self.list.chosen(&self.found)
+    }
+
+    /// `Shift` and an arrow: the next pixel that way.
+    fn take_keys(&mut self, ui: &Ui, size: (usize, usize)) {
+        if ui.memory(|memory| memory.focused().is_some()) {
+            return;
+        }
+        let presses = |key| {
+            let count =
+                |input: &mut egui::InputState| input.count_and_consume_key(Modifiers::SHIFT, key);
+            ui.input_mut(count) as i64
+        };
+        let x = presses(Key::ArrowRight) - presses(Key::ArrowLeft);
+        let y = presses(Key::ArrowDown) - presses(Key::ArrowUp);
+        if let Some(pixel) = self.pixel
+            && (x, y) != (0, 0)
+        {
+            let step = |at: usize, by: i64, n: usize| {
+                (at as i64 + by).clamp(0, n.max(1) as i64 - 1) as usize
+            };
+            self.inspect([step(pixel[0], x, size.0), step(pixel[1], y, size.1)]);
+        }
+    }
+}
+
+impl View for InspectView {
+    fn close(&mut self) {
+        self.forget();
+    }
+
+    fn attend(&mut self, session: &Session, settings: &ViewSettings) -> bool {
+        let size = session.shown_size();
+        let is_within = |p: &[usize; 2]| p[0] < size.0 && p[1] < size.1;
+        let pixel = self.pixel.filter(is_within);
+        if pixel.is_none() && size.0 > 0 {
+            self.inspect([size.0 / 2, size.1 / 2]);
+        }
+        let (Some(pixel), Some(job)) = (self.pixel, session.link.started()) else {
+            return true;
+        };
+        let generation = session.link.generation();
+        if self
+            .worker
+            .as_ref()
+            .is_some_and(|of| of.generation != generation)
+        {
+            self.forget();
+        }
+        if !session.is_current() {
+            return true;
+        }
+        if self.worker.is_none()
+            && let Some(pixel) = of_job(job, pixel)
+        {
+            self.worker = Worker::start(job, generation, pixel);
+        }
+        if let Some(worker) = &self.worker {
+            worker.go_up_to(session.picture.stats.n_iterations);
+            if let Some(found) = worker.take_news(&self.found) {
+                self.found = found;
+            }
+        }
+        self.list.follow(&self.found, job, settings.part);
+        true
+    }
+
+    fn draw(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
+        let whole = stage.rect;
+        let (most, least, share) = COLUMN;
+        let width = (share * whole.width()).clamp(least, most);
+        let left = Rect::from_min_max(whole.min, pos2(whole.right() - width, whole.bottom()));
+        let right = Rect::from_min_max(pos2(left.right(), whole.top()), whole.max);
+        stage.rect = left;
+        let hovered = self.draw_picture(ui, stage);
+        column::show(ui, right, self, stage.session, stage.settings);
+        if self.worker.as_ref().is_some_and(Worker::is_busy) {
+            ui.ctx().request_repaint_after(worker::NEWS_PERIOD);
+        }
+        hovered
+    }
+
+    fn probe(&self, at: Pos2, stage: &Stage<'_>) -> Option<Reading> {
+        let fraction = stage.placement.as_ref()?.fraction(at)?;
+        Some(picture::read(stage.session, stage.settings, fraction))
+    }
+
+    fn image(&self, session: &Session, settings: &ViewSettings) -> Option<Shown> {
+        let is_there = session.picture.is_there();
+        is_there.then(|| picture::shown_image(session, settings))
+    }
+
+    fn perform(&mut self, action: Action) -> bool {
+        match action {
+            Action::Step(step) => self.list.step_vertex(&self.found, step),
+            Action::Row(is_up) => self.list.step_path(&self.found, if is_up { -1 } else { 1 }),
+            _ => return false,
+        }
+        true
+    }
+
+    fn step_back(&mut self) -> bool {
+        self.list.choose_none()
+    }
+}
+
+impl InspectView {
+    /// The picture with the pixel and its paths on it.
+    fn draw_picture(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
+        let p = Palette::of(ui);
+        let rect = stage.rect;
+        let size = stage.session.shown_size();
+        self.take_keys(ui, size);
+        let name = match self.pixel {
+            Some([x, y]) => format!("picture, pixel {x}, {y} inspected"),
+            None => "picture".to_owned(),
+        };
+        let (response, placement) = picture::take_pointer(ui, stage, size, &name);
+        if response.clicked_by(PointerButton::Primary)
+            && ui.input(|input| input.modifiers.is_none())
+            && let Some(at) = response.interact_pointer_pos()
+            && let Some(fraction) = placement.fraction(at)
+        {
+            let (x, y) = Placement::pixel(fraction, size);
+            self.inspect([x, y]);
+        }
+        let session = &mut *stage.session;
+        session.picture.compose(&session.link, stage.settings.part);
+        let is_there = session.picture.is_there();
+        let covered = if is_there {
+            placement.visible
+        } else {
+            Rect::NOTHING
+        };
+        picture::fill_around(ui, rect, covered, p.ground);
+        if !is_there {
+            return None;
+        }
+        let painter = ui.painter().with_clip_rect(rect);
+        let planes = &session.picture.planes;
+        let pictures = Pictures::One(Slot::Live);
+        image_area::draw(&painter, &placement, stage.settings, planes, pictures, 0);
+        let (Some(pixel), Some(job)) = (self.pixel, session.link.started()) else {
+            return response.hover_pos();
+        };
+        let part = region::rect(&placement, job.settings.camera.crop.as_ref());
+        let paint = drawing::Paint::new(painter.with_clip_rect(placement.visible), &p);
+        let through = drawing::through_camera(job, part);
+        self.draw_paths(&paint, &through, job);
+        drawing::mark_pixel(&painter, &placement, pixel, &p);
+        let corner = Rect::from_min_max(
+            pos2(
+                rect.left() + GRID,
+                rect.bottom() - GRID - outside::height(rect),
+            ),
+            pos2(
+                rect.left() + GRID + outside::width(rect),
+                rect.bottom() - GRID,
+            ),
+        );
+        self.draw_outside(ui, corner, job);
+        response.hover_pos()
+    }
+
+    /// Those that are listed, faint ones first, and the chosen one over them.
+    fn draw_paths(&self, paint: &drawing::Paint, through: &drawing::Through<'_>, job: &Job) {
+        let reach = 2.0 * job.scene.lights().bounds().radius;
+        let brightest = self
+            .list
+            .first(&self.found)
+            .map_or(0.0, |path| path.value().luminance());
+        let is_one_chosen = self.chosen().is_some();
+        for path in self.list.drawn(&self.found).rev() {
+            let share = (path.value().luminance() / brightest).max(0.0).sqrt();
+            let strength = if is_one_chosen { 0.25 } else { 0.8 };
+            paint.path(through, path, reach, strength * (0.1 + 0.9 * share));
+        }
+        if let Some(path) = self.chosen() {
+            paint.path(through, path, reach, 1.0);
+            paint.vertices(through, path, reach, self.list.vertex);
+        }
+    }
+
+    fn draw_outside(&mut self, ui: &Ui, rect: Rect, job: &Job) {
+        if !outside::fits(rect) {
+            return;
+        }
+        let p = Palette::of(ui);
+        self.outside.take_pointer(ui, rect, &job.scene);
+        let painter = ui.painter().with_clip_rect(rect);
+        painter.rect_filled(rect, 4, plate::ground(&p));
+        let inside = egui::StrokeKind::Inside;
+        painter.rect_stroke(rect, 4, (1.0, p.line), inside);
+        let through = self.outside.through(rect, job);
+        self.outside.draw_scene(&painter, &through, &p);
+        let paint = drawing::Paint::new(painter, &p);
+        self.draw_paths(&paint, &through, job);
+        self.outside.draw_camera(&paint, &through, job);
+    }
+}
+
+/// The pixel of a job that lies at a pixel of the whole picture; `None` outside of its region.
+fn of_job(job: &Job, [x, y]: [usize; 2]) -> Option<[u32; 2]> {
+    let [left, top] = job.settings.camera.crop.map_or([0, 0], |crop| crop.at);
+    let (x, y) = (x.checked_sub(left)?, y.checked_sub(top)?);
+    let is_within = x < job.settings.width && y < job.settings.height;
+    is_within.then_some([x as u32, y as u32])
+}

@@ -119,13 +119,12 @@ fn ticks([from, to]: [f64; 2]) -> Vec<Tick> {
     .collect()
 }
 
-/// A line of a slope through the upper left part of the unit square, as far as it goes in it.
+/// A line of a slope beside curves that fall from the upper left corner of the unit square.
 fn guide(seconds: &Axis, error: &Axis, slope: f64) -> [[f64; 2]; 2] {
     let length = |axis: &Axis| axis.range[1] - axis.range[0];
     let steepness = slope * length(seconds) / length(error);
-    // From the upper left corner on, moved in by a little.
-    let from = [0.04, 0.96];
-    let across = (0.92f64).min(-0.92 / steepness);
+    let from = [0.42, 0.84];
+    let across = (0.5f64).min(-0.6 / steepness);
     [from, [from[0] + across, from[1] + steepness * across]]
 }
 

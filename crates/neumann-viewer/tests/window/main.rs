@@ -9,6 +9,7 @@ mod files;
 mod film;
 mod histogram;
 mod kept_views;
+mod race;
 mod region;
 mod series;
 #[path = "../support/mod.rs"]

@@ -1,0 +1,104 @@
+//! What has been judged of one method. Pictures of earlier times are kept, as far as there is room,
+//! and judged again when the reference has become better.
+
+use std::sync::Arc;
+
+use neumann_core::render::WorkerPool;
+use neumann_picture::Image;
+use neumann_picture::compare::compare;
+use neumann_picture::race::{Point, Racer};
+use neumann_picture::tone::Display;
+
+/// The points of a curve are so far apart in time, at least.
+const STEP: f64 = std::f64::consts::SQRT_2;
+/// Room for pictures of earlier times, of one method.
+const ROOM: usize = 64 << 20;
+
+/// What pictures are judged by: the reference, and how both are shown.
+pub(super) type By = (Arc<Image>, Display);
+
+/// What has been judged of one method.
+#[derive(Default)]
+pub(super) struct Judged {
+    earlier: Vec<Sample>,
+    latest: Option<Sample>,
+}
+
+/// A picture with its errors.
+struct Sample {
+    point: Point,
+    /// `None` where there was no more room for it.
+    image: Option<Arc<Image>>,
+    /// Iterations of the reference, and how the pictures were shown.
+    by: (u32, Display),
+}
+
+impl Judged {
+    /// True if nothing has been judged yet.
+    pub(super) fn is_new(&self) -> bool {
+        self.latest.is_none()
+    }
+
+    /// Processor time up to which it was judged.
+    pub(super) fn judged_until(&self) -> f64 {
+        self.latest.as_ref().map_or(0.0, |s| s.point.seconds)
+    }
+
+    /// Judges what a racer has made.
+    pub(super) fn judge(&mut self, racer: &Racer, (by, display): &By, n: u32) {
+        let Ok(point) = racer.judge(by, display) else {
+            return;
+        };
+        let sample = Sample {
+            point,
+            image: Some(Arc::new(racer.image())),
+            by: (n, *display),
+        };
+        let Some(former) = self.latest.replace(sample) else {
+            return;
+        };
+        let kept = self.earlier.last().map_or(0.0, |s| s.point.seconds);
+        if former.point.seconds >= STEP * kept {
+            self.earlier.push(former);
+            self.make_room();
+        }
+    }
+
+    /// Forgets the oldest pictures, not their errors, where they take too much room.
+    fn make_room(&mut self) {
+        let mut room = ROOM;
+        for sample in self.earlier.iter_mut().rev() {
+            let bytes = sample.image.as_ref().map_or(0, |i| 12 * i.pixels.len());
+            match room.checked_sub(bytes) {
+                Some(rest) => room = rest,
+                None => sample.image = None,
+            }
+        }
+    }
+
+    /// Judges one earlier picture again, if the reference has twice the iterations that it had, or
+    /// pictures are shown in another way.
+    pub(super) fn judge_again(&mut self, pool: &WorkerPool, (by, display): &By, n: u32) {
+        let is_stale = |s: &Sample| s.by.0.saturating_mul(2) <= n || s.by.1 != *display;
+        let mut stale = self.earlier.iter_mut().rev().filter(|s| is_stale(s));
+        let Some((sample, image)) = stale.find_map(|s| s.image.clone().map(|image| (s, image)))
+        else {
+            return;
+        };
+        if let Ok(comparison) = pool.run(|| compare(&image, by, display)) {
+            sample.point.comparison = comparison;
+            sample.by = (n, *display);
+        }
+    }
+
+    /// Errors over time.
+    pub(super) fn curve(&self) -> Vec<Point> {
+        let samples = self.earlier.iter().chain(&self.latest);
+        samples.map(|sample| sample.point.clone()).collect()
+    }
+
+    /// The picture that was judged last.
+    pub(super) fn image(&self) -> Option<Arc<Image>> {
+        self.latest.as_ref()?.image.clone()
+    }
+}

@@ -42,7 +42,7 @@ pub(super) fn show(ui: &mut Ui, rect: Rect, view: &mut RaceView) {
             plot.bottom() - y as f32 * plot.height(),
         )
     };
-    guide(ui, plot, chart.guide.map(at), view, &p);
+    guide(ui, chart.guide.map(at), &p);
     for (i, curve) in curves.iter().enumerate() {
         let places: Vec<Pos2> = curve
             .iter()
@@ -61,6 +61,7 @@ pub(super) fn show(ui: &mut Ui, rect: Rect, view: &mut RaceView) {
         let stroke = Stroke::new(1.0, p.amber);
         ui.painter().hline(plot.x_range(), y, stroke);
     }
+    legend(ui, plot, view, &p);
     take_quality(ui, plot, view, &chart);
     quality_line(ui, rect, view);
 }
@@ -101,21 +102,22 @@ fn axes(ui: &Ui, plot: Rect, chart: &Chart, p: &Palette) {
 }
 
 /// The slope of an unbiased method.
-fn guide(ui: &Ui, plot: Rect, ends: [Pos2; 2], view: &RaceView, p: &Palette) {
-    let painter = ui.painter();
-    painter.extend(Shape::dashed_line(
-        &ends,
-        Stroke::new(1.0, p.weak),
-        6.0,
-        5.0,
-    ));
-    let text = format!(
-        "{} · - - {}",
-        view.measure.name(),
-        view.measure.slope_text()
-    );
-    let at = plot.right_top() + vec2(-GRID, 3.0);
-    painter.text(at, Align2::RIGHT_TOP, text, theme::small(), p.weak);
+fn guide(ui: &Ui, ends: [Pos2; 2], p: &Palette) {
+    let stroke = Stroke::new(1.0, p.weak);
+    ui.painter()
+        .extend(Shape::dashed_line(&ends, stroke, 6.0, 5.0));
+}
+
+/// Which error it is, and what the dashes are.
+fn legend(ui: &Ui, plot: Rect, view: &RaceView, p: &Palette) {
+    let (name, slope) = (view.measure.name(), view.measure.slope_text());
+    let text = format!("{name} · - - {slope}");
+    let galley = ui.painter().layout_no_wrap(text, theme::small(), p.weak);
+    let at = plot.right_top() + vec2(-GRID - galley.size().x, 3.0);
+    let plate = Rect::from_min_size(at, galley.size()).expand2(vec2(4.0, 1.0));
+    ui.painter()
+        .rect_filled(plate, 3, p.panel.gamma_multiply(0.85));
+    ui.painter().galley(at, galley, p.weak);
 }
 
 /// Lets pointer and arrows choose the quality.

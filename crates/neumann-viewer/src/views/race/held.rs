@@ -197,19 +197,16 @@ fn hold(shared: &Shared, entries: &Entries, pool: &WorkerPool, cache: Option<std
         if !is_new && judging >= JUDGING * rendering {
             continue;
         }
-        // Who has had the least of its time judged is the next one to be.
-        let share = |i: &usize| judged[*i].judged_until() / racers[*i].seconds().max(1e-9);
-        let stalest = (0..racers.len()).min_by(|a, b| share(a).total_cmp(&share(b)));
-        let which = if is_new {
-            next
-        } else {
-            stalest.unwrap_or(next)
-        };
+        // All at once, so that all errors are by the same reference.
         let by = (reference.image(), *lock(&shared.display));
         let n = reference.n_iterations();
-        judged[which].judge(&racers[which], &by, n);
-        judged[which].judge_again(pool, &by, n);
-        publish_judged(shared, which, &judged[which], &mut reference);
+        for (racer, judged) in racers.iter().zip(&mut judged) {
+            if racer.n_iterations() > 0 && !shared.cancel.is_cancelled() {
+                judged.judge(racer, &by, n);
+                judged.judge_again(pool, &by, n);
+            }
+        }
+        publish_judged(shared, &judged, by.0, reference.words());
         judging += start.elapsed().as_secs_f64();
     }
 }
@@ -219,13 +216,12 @@ fn publish_reference(shared: &Shared, reference: &Reference) {
     shared.publish(|report| report.reference_words = words);
 }
 
-fn publish_judged(shared: &Shared, which: usize, judged: &Judged, reference: &mut Reference) {
-    let (curve, image) = (Arc::new(judged.curve()), judged.image());
-    let (words, by) = (reference.words(), reference.image());
+fn publish_judged(shared: &Shared, judged: &[Judged], by: Arc<Image>, words: String) {
     shared.publish(|report| {
-        let standing = &mut report.standings[which];
-        standing.curve = curve;
-        standing.image = image;
+        for (standing, judged) in report.standings.iter_mut().zip(judged) {
+            standing.curve = Arc::new(judged.curve());
+            standing.image = judged.image();
+        }
         report.reference = Some(by);
         report.reference_words = words;
     });

@@ -39,26 +39,28 @@ impl Judged {
         self.latest.is_none()
     }
 
-    /// Processor time up to which it was judged.
-    pub(super) fn judged_until(&self) -> f64 {
-        self.latest.as_ref().map_or(0.0, |s| s.point.seconds)
-    }
-
-    /// Judges what a racer has made.
+    /// Judges what a racer has made, unless that has been done.
     pub(super) fn judge(&mut self, racer: &Racer, (by, display): &By, n: u32) {
+        let is_same = |s: &&Sample| s.point.n_iterations == racer.n_iterations();
+        let known = self.latest.as_ref().filter(is_same);
+        if known.is_some_and(|s| s.by == (n, *display)) {
+            return;
+        }
+        let image = known.and_then(|s| s.image.clone());
         let Ok(point) = racer.judge(by, display) else {
             return;
         };
         let sample = Sample {
             point,
-            image: Some(Arc::new(racer.image())),
+            image: Some(image.unwrap_or_else(|| Arc::new(racer.image()))),
             by: (n, *display),
         };
         let Some(former) = self.latest.replace(sample) else {
             return;
         };
         let kept = self.earlier.last().map_or(0.0, |s| s.point.seconds);
-        if former.point.seconds >= STEP * kept {
+        let is_further = former.point.n_iterations < racer.n_iterations();
+        if is_further && former.point.seconds >= STEP * kept {
             self.earlier.push(former);
             self.make_room();
         }

@@ -273,7 +273,7 @@ fn what_is_shown_is_enlarged_and_saved_with_its_curves() {
     assert_eq!(harness.state().viewing.views.shown().id, "race");
     // The arrows choose the quality, and Backspace gives it back.
     harness.get_by_label("quality").focus();
-    harness.run_steps(1);
+    harness.run_steps(3);
     press(&mut harness, Key::ArrowDown);
     assert!(race(harness.state()).quality.is_some());
     press(&mut harness, Key::Backspace);

@@ -104,3 +104,85 @@ impl Judged {
         self.latest.as_ref()?.image.clone()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use neumann_core::render::{CancelToken, RenderSettings, WorkerPool};
+    use neumann_core::scene::Scene;
+    use neumann_core::scene::builtin::builtin;
+    use neumann_picture::Image;
+    use neumann_picture::compare::compare;
+    use neumann_picture::race::Racer;
+    use neumann_picture::tone::Display;
+
+    use super::{Judged, Sample};
+
+    /// A racer that has rendered nothing, and its threads.
+    fn racer() -> (Racer, WorkerPool) {
+        let description = builtin("cornell").expect("a built-in scene");
+        let description = description.load().expect("a scene as it comes");
+        let scene = Arc::new(Scene::build(&description));
+        let settings = RenderSettings::new(scene.cameras()[0].clone(), 16, 16);
+        let pool = WorkerPool::new(Some(1), || {}).expect("a thread");
+        (Racer::new("pt-mis", &scene, settings, &pool), pool)
+    }
+
+    fn iterate(racer: &mut Racer, n: u32) {
+        let nobody = CancelToken::default();
+        for _ in 0..n {
+            racer.iterate(&nobody).expect("nobody cancels");
+        }
+    }
+
+    fn is_by(sample: &Sample, by: &Image, display: &Display) -> bool {
+        let image = sample.image.as_ref().expect("there is room");
+        let wanted = compare(image, by, display).expect("pictures of one size");
+        sample.point.comparison == wanted
+    }
+
+    #[test]
+    fn a_better_reference_judges_again_what_was_judged_before() {
+        let (mut racer, pool) = racer();
+        let mut judged = Judged::default();
+        let display = Display::default();
+        iterate(&mut racer, 1);
+        let first = Arc::new(racer.image());
+        judged.judge(&racer, &(Arc::clone(&first), display), 1);
+        let latest = judged.latest.as_ref().expect("it was judged");
+        assert_eq!(latest.point.comparison.rel_mse, 0.0);
+        let better = {
+            let (mut other, _) = self::racer();
+            iterate(&mut other, 8);
+            Arc::new(other.image())
+        };
+        // Nothing has been rendered since, but the reference is another one.
+        let by = (Arc::clone(&better), display);
+        judged.judge(&racer, &by, 2);
+        assert!(judged.earlier.is_empty(), "it is the same picture");
+        let latest = judged.latest.as_ref().expect("it was judged");
+        assert!(is_by(latest, &better, &display));
+        iterate(&mut racer, 3);
+        judged.judge(&racer, &by, 2);
+        assert_eq!((judged.earlier.len(), judged.curve().len()), (1, 2));
+        // Half as many iterations more are no reason to judge again, twice as many are.
+        let by = (first, display);
+        judged.judge_again(&pool, &by, 3);
+        assert!(is_by(&judged.earlier[0], &better, &display));
+        judged.judge_again(&pool, &by, 4);
+        assert!(is_by(&judged.earlier[0], &by.0, &display));
+        let brighter = Display {
+            exposure_ev: 1.0,
+            ..display
+        };
+        judged.judge_again(&pool, &(by.0, brighter), 4);
+        assert!(is_by(&judged.earlier[0], &racer_image(&judged), &brighter));
+    }
+
+    /// The first picture that was judged.
+    fn racer_image(judged: &Judged) -> Arc<Image> {
+        let image = judged.earlier[0].image.as_ref();
+        Arc::clone(image.expect("there is room"))
+    }
+}

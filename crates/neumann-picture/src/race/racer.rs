@@ -173,6 +173,12 @@ mod tests {
         names.iter().map(racer).collect()
     }
 
+    /// More than any iteration of it took.
+    fn longest(racer: &Racer) -> f64 {
+        let mean = racer.seconds() / f64::from(racer.n_iterations());
+        4.0 * mean + 0.02
+    }
+
     #[test]
     fn racers_have_the_same_time_but_for_an_iteration() {
         // The second one's iterations take many times as long.
@@ -181,6 +187,11 @@ mod tests {
         let time = 0.3;
         while let Some(next) = next_in_turn(&racers, time) {
             racers[next].iterate(&nobody).unwrap();
+            // At no time is one ahead of another by more than it did last.
+            let seconds = || racers.iter().map(Racer::seconds);
+            let least = seconds().fold(f64::INFINITY, f64::min);
+            let before = racers[next].seconds() - longest(&racers[next]);
+            assert!(before <= least, "{:?}", seconds().collect::<Vec<_>>());
         }
         for racer in &racers {
             assert!(racer.n_iterations() > 0);

@@ -134,6 +134,10 @@ fn every_control_of_pages_and_views_says_what_it_does() {
         if key == Key::K {
             click(&mut harness, "racer 1: pt-bsdf");
             walk(&mut harness, "menu of the race", &mut all);
+            press(&mut harness, Key::Escape);
+            click(&mut harness, "picture by pt-nee");
+            click(&mut harness, "wipe with: pt-mis");
+            walk(&mut harness, "wipe of the race", &mut all);
         }
     }
     let all: Vec<_> = all.into_iter().collect();

@@ -3,10 +3,11 @@
 //!
 //! While the view is open the film rests. [`RaceView`] owns who takes part and what is looked at;
 //! `held` holds the race on a thread of its own, `judged` keeps what was measured, `reference` is
-//! what all are judged by, and `cache` keeps it on disk. `tiles` and `curves` draw.
+//! what all are judged by, and `cache` keeps it on disk. `tiles`, `curves` and `enlarged` draw.
 
 mod cache;
 mod curves;
+mod enlarged;
 mod entry;
 mod held;
 mod judged;
@@ -31,6 +32,7 @@ use crate::theme::{self, GRID, Palette};
 use crate::widgets::{button, button_width, segmented_width, segments};
 
 pub use cache::folder as cache_folder;
+pub use enlarged::Wipe;
 pub use entry::Entry;
 pub use held::{Report, Standing};
 
@@ -77,6 +79,8 @@ pub struct RaceView {
     pub quality: Option<f64>,
     /// The picture that is enlarged: a method's, or behind them the reference.
     pub enlarged: Option<usize>,
+    /// What it is wiped over.
+    pub wipe: Option<Wipe>,
     /// Folder of references from one start to the next; `None` keeps none.
     pub cache: Option<PathBuf>,
     /// How the race stands.
@@ -206,7 +210,7 @@ impl View for RaceView {
             pos2(inner.right(), inner.bottom() - GRID),
         );
         if self.enlarged.is_some() {
-            tiles::enlarged(ui, below, self, stage.settings);
+            enlarged::show(ui, below, self, stage.settings);
         } else {
             let split = tiles::height(below, self.entries.len(), self.aspect(stage.session));
             let row = Rect::from_min_size(below.min, vec2(below.width(), split));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Color32, ColorImage, Context, FontId, Galley, Pos2, Rect, Role, Sense, StrokeKind,
-    TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
@@ -13,7 +13,7 @@ use neumann_picture::figures::significant;
 use neumann_picture::race::{Point, colours};
 use neumann_picture::tone::Display;
 
-use super::{RaceView, Stage, menu};
+use super::{RaceView, Stage, Standing, menu};
 use crate::display::ViewSettings;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{Icon, focus_ring};
@@ -163,7 +163,7 @@ fn short_facts(ui: &Ui, view: &RaceView, i: usize, room: f32) -> [String; 2] {
 }
 
 /// The last one's facts, in two lines; what there is to say where there are none.
-fn facts(view: &RaceView, i: usize) -> [String; 2] {
+pub(super) fn facts(view: &RaceView, i: usize) -> [String; 2] {
     let report = &view.report;
     if i == view.entries.len() {
         // What is from the cache is told above.
@@ -177,7 +177,7 @@ fn facts(view: &RaceView, i: usize) -> [String; 2] {
 }
 
 /// A line, cut where it is too long.
-fn line(ui: &Ui, text: String, font: FontId, color: Color32, room: f32) -> Arc<Galley> {
+pub(super) fn line(ui: &Ui, text: String, font: FontId, color: Color32, room: f32) -> Arc<Galley> {
     let mut job = LayoutJob::simple_singleline(text, font, color);
     job.wrap = TextWrapping::truncate_at_width(room.max(0.0));
     ui.painter().layout_job(job)
@@ -262,7 +262,7 @@ pub(super) fn marker(ui: &Ui, at: Pos2, i: usize, radius: f32) {
 }
 
 /// The picture of a method, or of the reference; true if it was clicked.
-fn picture_of(
+pub(super) fn picture_of(
     ui: &mut Ui,
     rect: Rect,
     view: &mut RaceView,
@@ -271,26 +271,12 @@ fn picture_of(
 ) -> bool {
     let p = Palette::of(ui);
     let name = name_for_ears(view, i);
-    let image = match view
-        .report
-        .standings
-        .get(i)
-        .filter(|_| i < view.entries.len())
-    {
-        Some(standing) => standing.image.clone(),
-        None => view.report.reference.clone(),
-    };
     let response = ui.interact(rect, ui.scope_id().with(("picture", i)), Sense::click());
-    let width = rect.width() * ui.ctx().pixels_per_point();
-    let texture = image.and_then(|image| {
-        let picture = view.pictures.get_mut(i)?;
-        picture.show(ui.ctx(), &image, settings.display(), width)
-    });
+    let texture = texture_of(ui.ctx(), rect.width(), view, i, settings);
     match texture {
         Some(texture) => {
             let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-            ui.painter()
-                .image(texture.id(), rect, whole, Color32::WHITE);
+            ui.painter().image(texture, rect, whole, Color32::WHITE);
         }
         None => {
             ui.painter()
@@ -314,41 +300,35 @@ fn picture_of(
     is_clicked
 }
 
-fn name_for_ears(view: &RaceView, i: usize) -> String {
-    let standing = view
-        .report
-        .standings
-        .get(i)
-        .filter(|_| i < view.entries.len());
-    format!("picture by {}", standing.map_or("reference", |s| &s.name))
+/// The texture of a picture that is shown so many points wide.
+pub(super) fn texture_of(
+    ctx: &Context,
+    width: f32,
+    view: &mut RaceView,
+    i: usize,
+    settings: &ViewSettings,
+) -> Option<TextureId> {
+    let image = match standing(view, i) {
+        Some(standing) => standing.image.clone(),
+        None => view.report.reference.clone(),
+    };
+    let picture = view.pictures.get_mut(i)?;
+    let width = width * ctx.pixels_per_point();
+    let texture = picture.show(ctx, &image?, settings.display(), width);
+    texture.map(TextureHandle::id)
 }
 
-/// Draws one picture as large as there is room.
-pub(super) fn enlarged(ui: &mut Ui, rect: Rect, view: &mut RaceView, settings: &ViewSettings) {
-    let Some(i) = view.enlarged else { return };
-    let n = view.entries.len() + 1;
-    view.pictures.resize_with(n, Picture::default);
-    let size = view
-        .report
-        .reference
-        .as_ref()
-        .map(|r| (r.width as f32, r.height as f32));
-    let (w, h) = size.unwrap_or((4.0, 3.0));
-    let p = Palette::of(ui);
-    let room = Rect::from_min_max(rect.min, rect.max - vec2(0.0, LINE + 4.0));
-    let scale = (room.width() / w).min(room.height() / h);
-    let picture = Rect::from_center_size(room.center(), scale * vec2(w, h)).round();
-    if picture_of(ui, picture, view, i.min(n - 1), settings) {
-        view.enlarged = None;
-    }
-    let name = view
-        .report
-        .standings
-        .get(i)
-        .map_or("reference", |s| &s.name);
-    let text = format!("{name}: {}", facts(view, i).join(", "));
-    let galley = line(ui, text, theme::body(), p.text, rect.width());
-    let x = rect.center().x - galley.size().x / 2.0;
-    ui.painter()
-        .galley(pos2(x, room.bottom() + 4.0), galley, p.text);
+/// The method of a picture; `None` of the reference.
+fn standing(view: &RaceView, i: usize) -> Option<&Standing> {
+    let mut standings = view.report.standings.iter().take(view.entries.len());
+    standings.nth(i)
+}
+
+/// What a picture is by.
+pub(super) fn title(view: &RaceView, i: usize) -> String {
+    standing(view, i).map_or_else(|| "reference".to_owned(), |s| s.name.clone())
+}
+
+fn name_for_ears(view: &RaceView, i: usize) -> String {
+    format!("picture by {}", title(view, i))
 }

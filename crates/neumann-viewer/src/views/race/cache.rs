@@ -111,7 +111,83 @@ fn is_ours(path: &Path) -> bool {
 mod tests {
     use std::time::{Duration, SystemTime};
 
-    use super::make_room;
+    use neumann_core::film::Film;
+    use neumann_core::integrator::method;
+    use neumann_core::render::RenderSettings;
+    use neumann_core::scene::builtin::builtin;
+    use neumann_core::scene::{Appearance, Scene};
+    use neumann_picture::exr_file::Metadata;
+
+    use super::{make_room, name};
+
+    #[test]
+    fn all_that_determines_a_reference_is_in_its_name() {
+        let description = builtin("cornell").expect("a built-in scene");
+        let description = description.load().expect("a scene as it comes");
+        let scene = Scene::build(&description);
+        let usual = RenderSettings::new(scene.cameras()[0].clone(), 16, 16);
+        let name_of = |scene: &Scene, settings: &RenderSettings| {
+            name(&Metadata::of(scene, settings), settings)
+        };
+        let mut edited: Appearance = scene.appearance().clone();
+        edited.materials[0].roughness = 0.123;
+        let edited = scene.with_appearance(edited);
+        let mut names = vec![name_of(&scene, &usual), name_of(&edited, &usual)];
+        let changes: [fn(&mut RenderSettings); 6] = [
+            |s| s.width = 17,
+            |s| s.height = 17,
+            |s| s.max_bounces = 3,
+            |s| s.seed = 1,
+            |s| s.method = method("vcm").expect("a method"),
+            |s| s.camera.world_from_camera.w_axis.x += 0.1,
+        ];
+        for change in changes {
+            let mut settings = usual.clone();
+            change(&mut settings);
+            names.push(name_of(&scene, &settings));
+        }
+        for (i, name) in names.iter().enumerate() {
+            assert!(!names[i + 1..].contains(name), "{i}");
+        }
+        assert_eq!(name_of(&scene, &usual), names[0]);
+    }
+
+    #[test]
+    fn what_is_of_another_size_or_depth_is_not_read() {
+        let description = builtin("cornell").expect("a built-in scene");
+        let description = description.load().expect("a scene as it comes");
+        let scene = Scene::build(&description);
+        let settings = RenderSettings {
+            n_layers: 1,
+            ..RenderSettings::new(scene.cameras()[0].clone(), 4, 4)
+        };
+        let black = vec![neumann_core::radiometry::Rgb::BLACK; 16];
+        let layers = vec![black.clone(); 2];
+        let film = Film::from_parts((4, 4), 2, layers, black.clone(), &black, 0);
+        let film = film.expect("planes of one size");
+        let metadata = Metadata {
+            iterations: super::IterationRanges::of(0..2),
+            seconds: 3.0,
+            ..Metadata::of(&scene, &settings)
+        };
+        let folder = std::env::temp_dir().join(format!("neumann-kept-{}", std::process::id()));
+        let path = folder.join(name(&metadata, &settings));
+        super::write(&path, &film, &metadata);
+        let read = |settings: &RenderSettings| {
+            let metadata = Metadata::of(&scene, settings);
+            super::read(&path, &metadata, settings).map(|(film, s)| (film.n_iterations(), s))
+        };
+        assert_eq!(read(&settings), Some((2, 3.0)));
+        let other = |change: fn(&mut RenderSettings)| {
+            let mut settings = settings.clone();
+            change(&mut settings);
+            read(&settings)
+        };
+        assert_eq!(other(|s| s.width = 5), None);
+        assert_eq!(other(|s| s.n_layers = 2), None);
+        assert_eq!(other(|s| s.max_bounces = 1), None);
+        let _ = std::fs::remove_dir_all(&folder);
+    }
 
     #[test]
     fn the_oldest_references_go_first_and_files_of_others_stay() {

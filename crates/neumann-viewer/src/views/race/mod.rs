@@ -66,7 +66,7 @@ const ID: &str = "race";
 /// A race begins when nothing has been changed for so long.
 const REST: Duration = Duration::from_millis(150);
 /// While a race is held, a frame is drawn so often.
-const PERIOD: Duration = Duration::from_millis(200);
+const PERIOD: Duration = Duration::from_millis(300);
 
 /// The race view: who takes part, and what of it is looked at.
 #[derive(Default)]

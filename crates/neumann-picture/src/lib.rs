@@ -3,10 +3,11 @@
 //! Rooms, in reading order: [`tone`] and [`false_colour`] take radiance to the screen; [`files`]
 //! writes without ever leaving half a file; [`png_file`] and [`exr_file`] keep pictures, the latter
 //! a whole film with its history, so that a render can be gone on with; [`image_file`] reads any
-//! picture back; [`compare`] measures how far two are apart; [`photons`] colours photons,
-//! [`quantity`] what a pixel holds beside radiance; [`histogram`] counts how bright they are;
-//! [`inspection`] says by which paths light came to one; [`sheet`] lays out the series; [`figures`]
-//! writes numbers; [`state`] keeps all that a person has chosen.
+//! picture back; [`compare`] measures how far two are apart, and [`race`] does so for methods at
+//! equal time; [`photons`] colours photons, [`quantity`] what a pixel holds beside radiance;
+//! [`histogram`] counts how bright they are; [`inspection`] says by which paths light came to one;
+//! [`sheet`] lays out the series; [`figures`] writes numbers; [`state`] keeps all that a person has
+//! chosen.
 //!
 //! Knows no window and no terminal.
 
@@ -22,6 +23,7 @@ pub mod inspection;
 pub mod photons;
 pub mod png_file;
 pub mod quantity;
+pub mod race;
 pub mod sheet;
 pub mod state;
 pub mod tone;

@@ -74,9 +74,15 @@ impl Canvas {
         loop {
             let output = self.lay_out(&ctx, app);
             self.take_textures(output);
-            let is_there = app.session.is_current()
-                && app.session.picture.divisor == 1
-                && app.session.picture.stats.n_iterations >= shot.after_iterations.max(1);
+            let wanted = shot.after_iterations.max(1);
+            let is_there = match app.viewing.views.n_iterations() {
+                Some(n) => n >= wanted,
+                None => {
+                    app.session.is_current()
+                        && app.session.picture.divisor == 1
+                        && app.session.picture.stats.n_iterations >= wanted
+                }
+            };
             if is_there
                 || (app.session.picture.is_there()
                     && app.session.picture.stats.is_done

@@ -20,14 +20,13 @@ pub struct RenderLink {
     is_recording: bool,
     draws_photons: bool,
     traces_features: bool,
+    is_paused: bool,
+    is_held: bool,
 }
 
 enum End {
-    Live(Box<RenderLoop>),
-    Fixed {
-        published: Box<Published>,
-        is_paused: bool,
-    },
+    Live(Box<RenderLoop>, WorkerPool),
+    Fixed(Box<Published>),
 }
 
 impl RenderLink {
@@ -42,18 +41,15 @@ impl RenderLink {
     ) -> Result<Self, String> {
         let pool = WorkerPool::new(n_threads, yield_to_interface)
             .map_err(|e| format!("no threads to render with: {e}"))?;
-        let render_loop = RenderLoop::new(pool, on_publish)
+        let render_loop = RenderLoop::new(pool.clone(), on_publish)
             .map_err(|e| format!("no thread to render with: {e}"))?;
-        Ok(Self::new(End::Live(Box::new(render_loop))))
+        Ok(Self::new(End::Live(Box::new(render_loop), pool)))
     }
 
     /// A picture that never changes.
     #[must_use]
     pub fn fixed(published: Published) -> Self {
-        Self::new(End::Fixed {
-            published: Box::new(published),
-            is_paused: false,
-        })
+        Self::new(End::Fixed(Box::new(published)))
     }
 
     fn new(end: End) -> Self {
@@ -66,6 +62,8 @@ impl RenderLink {
             is_recording: false,
             draws_photons: false,
             traces_features: false,
+            is_paused: false,
+            is_held: false,
         }
     }
 
@@ -81,8 +79,8 @@ impl RenderLink {
         let camera = job.settings.camera.clone();
         let oldest = self.read(|published| published.generation);
         self.generation = match &self.end {
-            End::Live(render_loop) => render_loop.start(job),
-            End::Fixed { published, .. } => published.generation,
+            End::Live(render_loop, _) => render_loop.start(job),
+            End::Fixed(published) => published.generation,
         };
         let latest = self.generation;
         let regions = &mut self.regions;
@@ -108,7 +106,7 @@ impl RenderLink {
         {
             job.scene = Arc::clone(better);
         }
-        if let End::Live(render_loop) = &self.end {
+        if let End::Live(render_loop, _) = &self.end {
             render_loop.improve_scene(scene, better);
         }
     }
@@ -133,25 +131,48 @@ impl RenderLink {
 
     /// Pauses or goes on.
     pub fn pause(&mut self, pause: bool) {
-        match &mut self.end {
-            End::Live(render_loop) => render_loop.pause(pause),
-            End::Fixed { is_paused, .. } => *is_paused = pause,
+        self.is_paused = pause;
+        self.pass_pause_on();
+    }
+
+    /// Lets the film rest, whether it is paused or not, while something else has the threads; or
+    /// lets it go on.
+    pub fn hold(&mut self, is_held: bool) {
+        self.is_held = is_held;
+        self.pass_pause_on();
+    }
+
+    /// True while the film rests for something else.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.is_held
+    }
+
+    fn pass_pause_on(&self) {
+        if let End::Live(render_loop, _) = &self.end {
+            render_loop.pause(self.is_paused || self.is_held);
+        }
+    }
+
+    /// The threads that it renders with, where it renders.
+    #[must_use]
+    pub fn pool(&self) -> Option<&WorkerPool> {
+        match &self.end {
+            End::Live(_, pool) => Some(pool),
+            End::Fixed(_) => None,
         }
     }
 
     /// True while paused.
     #[must_use]
     pub fn is_paused(&self) -> bool {
-        match &self.end {
-            End::Live(render_loop) => render_loop.is_paused(),
-            End::Fixed { is_paused, .. } => *is_paused,
-        }
+        self.is_paused
     }
 
     /// Begins or ends keeping techniques apart.
     pub fn record_techniques(&mut self, is_on: bool) {
         self.is_recording = is_on;
-        if let End::Live(render_loop) = &self.end {
+        if let End::Live(render_loop, _) = &self.end {
             render_loop.record_techniques(is_on);
         }
     }
@@ -165,7 +186,7 @@ impl RenderLink {
     /// Begins or ends drawing photons.
     pub fn draw_photons(&mut self, is_on: bool) {
         self.draws_photons = is_on;
-        if let End::Live(render_loop) = &self.end {
+        if let End::Live(render_loop, _) = &self.end {
             render_loop.draw_photons(is_on);
         }
     }
@@ -179,7 +200,7 @@ impl RenderLink {
     /// Begins or ends keeping what the camera sees first.
     pub fn trace_features(&mut self, is_on: bool) {
         self.traces_features = is_on;
-        if let End::Live(render_loop) = &self.end {
+        if let End::Live(render_loop, _) = &self.end {
             render_loop.trace_features(is_on);
         }
     }
@@ -195,7 +216,7 @@ impl RenderLink {
         if let Some(job) = &mut self.started {
             job.stop = stop;
         }
-        if let End::Live(render_loop) = &self.end {
+        if let End::Live(render_loop, _) = &self.end {
             render_loop.stop_after(stop);
         }
     }
@@ -204,16 +225,16 @@ impl RenderLink {
     #[must_use]
     pub fn version(&self) -> u64 {
         match &self.end {
-            End::Live(render_loop) => render_loop.version(),
-            End::Fixed { published, .. } => published.version,
+            End::Live(render_loop, _) => render_loop.version(),
+            End::Fixed(published) => published.version,
         }
     }
 
     /// Reads the picture; the renderer cannot take in a frame meanwhile, so be brief.
     pub fn read<R>(&self, reader: impl FnOnce(&Published) -> R) -> R {
         match &self.end {
-            End::Live(render_loop) => reader(&render_loop.published()),
-            End::Fixed { published, .. } => reader(published),
+            End::Live(render_loop, _) => reader(&render_loop.published()),
+            End::Fixed(published) => reader(published),
         }
     }
 }

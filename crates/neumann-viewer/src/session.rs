@@ -427,5 +427,8 @@ impl Session {
         if self.link.traces_features() != needs.features {
             self.link.trace_features(needs.features);
         }
+        if self.link.is_held() != needs.rest {
+            self.link.hold(needs.rest);
+        }
     }
 }

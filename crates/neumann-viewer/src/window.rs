@@ -26,6 +26,7 @@ use crate::render_link::RenderLink;
 use crate::shell::WindowRequest;
 use crate::surface::Surface;
 use crate::text_scale::TextScale;
+use crate::views::race::{self, RaceView};
 use crate::{gone, writing};
 
 /// What reaches the window beside winit's own events.
@@ -153,6 +154,9 @@ impl Handler<'_> {
             let _ = proxy.send_event(Event::Wake);
         });
         app.shell.recent = Recent::load();
+        if let Some(race) = app.viewing.views.get_mut::<RaceView>() {
+            race.cache = race::cache_folder();
+        }
         app.shell.bookmarks = Bookmarks::load();
         if let Some(complaint) = app.shell.bookmarks.complaint() {
             app.shell.notices.failure(complaint);
@@ -376,7 +380,7 @@ impl Running {
     fn first_frame_comes(&self) -> bool {
         let start = Instant::now();
         let link = &self.app.session.link;
-        while !link.is_paused() && start.elapsed() < COARSE_PATIENCE {
+        while !link.is_paused() && !link.is_held() && start.elapsed() < COARSE_PATIENCE {
             if link.read(|published| published.generation) == link.generation() {
                 return true;
             }

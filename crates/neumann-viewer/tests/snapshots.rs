@@ -15,7 +15,7 @@ use neumann_viewer::app::App;
 use neumann_viewer::display::{Draw, FilmGpu, Mode, SharedPlanes, Slot, ViewSettings};
 use neumann_viewer::panels::Page;
 
-use support::{app, app_with_photons, app_with_quantities, app_with_techniques};
+use support::{app, app_with_photons, app_with_quantities, app_with_race, app_with_techniques};
 
 /// True if there is an adapter; otherwise says so, and fails where tests must really run.
 fn has_adapter() -> bool {
@@ -82,6 +82,18 @@ fn the_window_looks_as_it_did() {
             builder(size, theme).build_ui_state(|ui, app: &mut App| app.ui(ui), app_with_photons());
         harness.run_steps(4);
         harness.key_press(Key::P);
+        harness.run_steps(4);
+        results.add(harness.try_snapshot(name));
+    }
+    for (name, size, theme) in [
+        ("race", [1280.0, 720.0], Theme::Dark),
+        ("race_small", [640.0, 420.0], Theme::Light),
+    ] {
+        let mut app = app_with_race();
+        app.viewing.settings.exposure_ev = 0.0;
+        let mut harness = builder(size, theme).build_ui_state(|ui, app: &mut App| app.ui(ui), app);
+        harness.run_steps(4);
+        harness.key_press(Key::K);
         harness.run_steps(4);
         results.add(harness.try_snapshot(name));
     }

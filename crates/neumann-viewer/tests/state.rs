@@ -22,7 +22,7 @@ use neumann_viewer::app::App;
 use neumann_viewer::setup::FilmSize;
 use neumann_viewer::{command_line, state};
 
-use support::{app, app_with_photons, app_with_quantities, app_with_techniques};
+use support::{app, app_with_photons, app_with_quantities, app_with_race, app_with_techniques};
 
 fn harness_of(app: App) -> Harness<'static, App> {
     let mut harness = Harness::builder()
@@ -527,4 +527,17 @@ fn what_does_not_fit_the_scene_is_told_and_left_out() {
         assert!(told.iter().any(|text| text.contains(part)), "{told:?}");
     }
     assert_eq!(second.state().viewing.views.shown().id, "picture");
+}
+
+#[test]
+fn a_race_is_part_of_a_state() {
+    let mut first = harness_of(app_with_race());
+    first.key_press(Key::K);
+    first.run_steps(2);
+    let saved = state_of(&first);
+    assert_eq!(saved.view, "race");
+    let mut second = harness_of(app_with_race());
+    second.state_mut().open_state(Box::new(saved));
+    wait(&mut second, |app| !app.is_loading());
+    assert_eq!(second.state().viewing.views.shown().id, "race");
 }

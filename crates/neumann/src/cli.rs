@@ -416,7 +416,7 @@ pub(crate) struct SeriesArguments {
 #[derive(Debug, Args)]
 #[command(
     after_help = "A method takes parameters behind a colon: pt-mis:roulette=off,casters=off. Each \
-    in turn has all threads; what counts is the processor time of the whole process. The \
+    in turn has all threads; what counts is their processor time while it renders. The \
     reference is rendered by bdpt for four times as long, and kept beside the sheet.\n\n\
     Examples:\n  \
     neumann race cornell pt-nee pt-mis bdpt --time 10 -o race.png\n  \
@@ -439,7 +439,7 @@ pub(crate) struct RaceArguments {
         allow_hyphen_values = true
     )]
     pub(crate) time: f64,
-    /// The sheet: all pictures in a row, with their errors (.png)
+    /// The sheet: all pictures in a row, with their errors and curves (.png)
     #[arg(short = 'o', long = "output", value_name = "FILE")]
     pub(crate) output: PathBuf,
     /// Errors over time: a line for each time at which they were measured

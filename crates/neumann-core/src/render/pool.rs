@@ -34,4 +34,9 @@ impl WorkerPool {
     pub fn run<R: Send>(&self, f: impl FnOnce() -> R + Send) -> R {
         self.0.install(f)
     }
+
+    /// Runs something once on each of the threads; yields what each has yielded.
+    pub fn on_each<R: Send>(&self, f: impl Fn() -> R + Sync) -> Vec<R> {
+        self.0.broadcast(|_| f())
+    }
 }

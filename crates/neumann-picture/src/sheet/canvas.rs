@@ -97,6 +97,25 @@ impl Canvas {
         }
     }
 
+    /// Draws a straight line with round ends.
+    pub(super) fn line(&mut self, [from, to]: [(f32, f32); 2], width: f32, colour: [u8; 3]) {
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let squared = (dx * dx + dy * dy).max(f32::MIN_POSITIVE);
+        let reach = 0.5 * width + 1.0;
+        let bounds = |a: f32, b: f32| {
+            let (least, most) = (a.min(b) - reach, a.max(b) + reach);
+            least.floor() as i32..=most.ceil() as i32
+        };
+        for y in bounds(from.1, to.1) {
+            for x in bounds(from.0, to.0) {
+                let (px, py) = (x as f32 + 0.5 - from.0, y as f32 + 0.5 - from.1);
+                let along = ((px * dx + py * dy) / squared).clamp(0.0, 1.0);
+                let distance = (px - along * dx).hypot(py - along * dy);
+                self.cover(x, y, 0.5 * width + 0.5 - distance, colour);
+            }
+        }
+    }
+
     /// Lays a colour over a pixel; outside of the page nothing happens.
     pub(super) fn cover(&mut self, x: i32, y: i32, coverage: f32, colour: [u8; 3]) {
         let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else {

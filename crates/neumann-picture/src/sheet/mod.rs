@@ -5,6 +5,7 @@
 //! on a ground without hue, so that they can be compared by eye.
 
 mod canvas;
+mod curves;
 mod label;
 mod photons;
 mod picture;
@@ -25,7 +26,7 @@ use text::{Align, Face, Style, Typesetter};
 pub use label::formula;
 pub use photons::photon_sheet;
 pub use picture::{PictureSheet, Scale, Wipe, picture_sheet};
-pub use race::{RacePicture, race_sheet};
+pub use race::{RacePicture, RaceSheet, race_sheet};
 pub use techniques::{technique_name, technique_sheet};
 
 /// What stands on the sheet beside the pictures.

@@ -335,7 +335,7 @@ impl App {
         let status = Status {
             picture: &session.picture,
             stop: session.setup.stop,
-            is_paused: session.link.is_paused(),
+            is_paused: session.link.is_paused() || session.link.is_held(),
             is_waiting: !session.is_current(),
             catching_up: session.catching_up(),
             is_after_region: session.is_after_region(),

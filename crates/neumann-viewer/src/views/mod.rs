@@ -14,6 +14,7 @@ pub mod photons;
 pub mod picture;
 mod plate;
 pub mod quantity;
+pub mod race;
 pub mod techniques;
 
 use std::any::Any;
@@ -43,6 +44,7 @@ pub static VIEWS: &[&Row] = &[
     &techniques::ROW,
     &photons::ROW,
     &inspect::ROW,
+    &race::ROW,
 ];
 
 /// Draw calls that a view may make, numbered from 0 on.
@@ -84,6 +86,8 @@ pub struct Needs {
     pub photons: bool,
     /// It keeps what the camera sees first.
     pub features: bool,
+    /// It keeps the film as it is, and leaves the threads to the view.
+    pub rest: bool,
 }
 
 impl Needs {
@@ -92,6 +96,7 @@ impl Needs {
         techniques: false,
         photons: false,
         features: false,
+        rest: false,
     };
 }
 
@@ -116,6 +121,11 @@ pub trait View: Any {
     /// What is under the pointer.
     fn probe(&self, _at: Pos2, _stage: &Stage<'_>) -> Option<Reading> {
         None
+    }
+
+    /// Iterations that it shows, where the film rests for it.
+    fn n_iterations(&self) -> u32 {
+        0
     }
 
     /// What is saved or copied while it is shown; `None` before there is anything.
@@ -192,6 +202,7 @@ impl Views {
     }
 
     /// The same, to be changed.
+    #[must_use]
     pub fn get_mut<V: View>(&mut self) -> Option<&mut V> {
         let mut all = self.all.iter_mut();
         all.find_map(|view| (view.as_mut() as &mut dyn Any).downcast_mut())
@@ -293,6 +304,13 @@ impl Views {
             };
             probe::show(ui, &room, at, &reading, stage.settings.part);
         }
+    }
+
+    /// Iterations that are shown while the film rests; `None` while it does not.
+    #[must_use]
+    pub fn n_iterations(&self) -> Option<u32> {
+        let rests = self.shown().needs.rest;
+        rests.then(|| self.all[self.shown].n_iterations())
     }
 
     /// What is saved or copied now.

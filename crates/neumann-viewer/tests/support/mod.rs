@@ -10,9 +10,13 @@ use neumann_core::render::{
 };
 use neumann_core::scene::Scene;
 use neumann_core::scene::builtin::builtin;
+use neumann_picture::Image;
+use neumann_picture::compare::compare;
+use neumann_picture::race::Point;
 use neumann_viewer::ViewOptions;
 use neumann_viewer::app::App;
 use neumann_viewer::render_link::RenderLink;
+use neumann_viewer::views::race::{RaceView, Report, Standing};
 
 /// A film whose layer k is a gradient of strength 2^-k.
 pub(crate) fn published() -> Published {
@@ -147,6 +151,63 @@ pub(crate) fn app_with_quantities() -> App {
         ..published()
     };
     app_of(published, options)
+}
+
+/// The window on a film, with a race as it stood at some time: curves that fall as they should, and
+/// pictures that are noisy as they say.
+pub(crate) fn app_with_race() -> App {
+    let options = ViewOptions {
+        size: Some((96, 96)),
+        ..ViewOptions::default()
+    };
+    let published = published();
+    let (width, height) = (published.film.width(), published.film.height());
+    let pixels = published.film.total();
+    let picture = |pixels: Vec<Rgb>| {
+        Arc::new(Image {
+            width,
+            height,
+            pixels,
+            ..Image::default()
+        })
+    };
+    let reference = picture(pixels.clone());
+    let methods = [("pt-bsdf", 0.4), ("pt-nee", 0.1), ("pt-mis", 0.03)];
+    let standings = methods.map(|(name, error): (&str, f64)| {
+        let points = (0..9).map(|i| {
+            let seconds = 0.05 * 2f64.powi(i) * (1.0 + 0.04 * error);
+            let rel_mse = error / (10.0 * seconds);
+            let mut comparison = compare(&reference, &reference, &Default::default())
+                .expect("a picture has its own size");
+            (comparison.rel_mse, comparison.flip) = (rel_mse, 0.5 * rel_mse.sqrt());
+            Point {
+                seconds,
+                n_iterations: 4 << i,
+                comparison,
+            }
+        });
+        let points: Vec<Point> = points.collect();
+        let noisy = pixels.iter().enumerate().map(|(i, value)| {
+            let noise = ((i * 7919) % 101) as f32 / 50.5 - 1.0;
+            let noise = 1.0 + noise * error.sqrt() as f32;
+            Rgb::new(value.r * noise, value.g * noise, value.b * noise)
+        });
+        Standing {
+            name: name.to_owned(),
+            seconds: points.last().map_or(0.0, |point| point.seconds),
+            image: Some(picture(noisy.collect())),
+            curve: Arc::new(points),
+        }
+    });
+    let mut app = app_of(published, options);
+    let view = app.viewing.views.get_mut::<RaceView>();
+    view.expect("a row of VIEWS").report = Report {
+        version: 1,
+        standings: standings.into(),
+        reference: Some(reference),
+        reference_words: "bdpt, 512 iterations, 25 s, 128 of them from the cache".to_owned(),
+    };
+    app
 }
 
 fn techniques() -> TechniqueFilm {

@@ -10,6 +10,7 @@ mod film;
 mod histogram;
 mod inspect;
 mod kept_views;
+mod race;
 mod region;
 mod series;
 #[path = "../support/mod.rs"]

@@ -12,7 +12,7 @@ use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
 use neumann_viewer::setup::FilmSize;
 
-use crate::support::{app_with_photons, app_with_techniques};
+use crate::support::{app_with_photons, app_with_race, app_with_techniques};
 use crate::{click, harness, harness_of, press};
 
 /// Controls of one choice, number or deed. Headings that fold and fields to type into say all by
@@ -125,11 +125,20 @@ fn every_control_of_pages_and_views_says_what_it_does() {
     for (app, key) in [
         (app_with_techniques(), Key::V),
         (app_with_photons(), Key::P),
+        (app_with_race(), Key::K),
     ] {
         let mut harness = harness_of([1280.0, 2400.0], app);
         press(&mut harness, key);
         harness.run_steps(8);
         walk(&mut harness, &format!("{key:?}"), &mut all);
+        if key == Key::K {
+            click(&mut harness, "racer 1: pt-bsdf");
+            walk(&mut harness, "menu of the race", &mut all);
+            press(&mut harness, Key::Escape);
+            click(&mut harness, "picture by pt-nee");
+            click(&mut harness, "wipe with: pt-mis");
+            walk(&mut harness, "wipe of the race", &mut all);
+        }
     }
     let all: Vec<_> = all.into_iter().collect();
     assert!(all.is_empty(), "{} faults:\n{}", all.len(), all.join("\n"));

@@ -143,7 +143,7 @@ fn number(n: usize) -> String {
 pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent > 0.0 && percent < 0.1 {
-        "under 0.1 %".to_owned()
+        "< 0.1 %".to_owned()
     } else {
         format!("{} %", significant(percent, 2))
     }

@@ -98,7 +98,18 @@ impl Canvas {
     }
 
     /// Draws a straight line with round ends.
-    pub(super) fn line(&mut self, [from, to]: [(f32, f32); 2], width: f32, colour: [u8; 3]) {
+    pub(super) fn line(&mut self, ends: [(f32, f32); 2], width: f32, colour: [u8; 3]) {
+        self.faint_line(ends, width, colour, 1.0);
+    }
+
+    /// The same, of which `opacity` covers what is below.
+    pub(super) fn faint_line(
+        &mut self,
+        [from, to]: [(f32, f32); 2],
+        width: f32,
+        colour: [u8; 3],
+        opacity: f32,
+    ) {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let squared = (dx * dx + dy * dy).max(f32::MIN_POSITIVE);
         let reach = 0.5 * width + 1.0;
@@ -111,7 +122,8 @@ impl Canvas {
                 let (px, py) = (x as f32 + 0.5 - from.0, y as f32 + 0.5 - from.1);
                 let along = ((px * dx + py * dy) / squared).clamp(0.0, 1.0);
                 let distance = (px - along * dx).hypot(py - along * dy);
-                self.cover(x, y, 0.5 * width + 0.5 - distance, colour);
+                let coverage = (0.5 * width + 0.5 - distance).clamp(0.0, 1.0);
+                self.cover(x, y, opacity * coverage, colour);
             }
         }
     }

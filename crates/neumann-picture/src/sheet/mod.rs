@@ -25,7 +25,7 @@ use text::{Align, Face, Style, Typesetter};
 
 pub use label::formula;
 pub use photons::photon_sheet;
-pub use picture::{PictureSheet, Scale, Wipe, picture_sheet};
+pub use picture::{PictureSheet, Scale, Stroke, Wipe, picture_sheet};
 pub use race::{RacePicture, RaceSheet, race_sheet};
 pub use techniques::{technique_name, technique_sheet};
 

@@ -28,6 +28,19 @@ pub struct Wipe {
     pub names: [String; 2],
 }
 
+/// A line that is drawn on a picture, with round ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Columns and rows of the picture, from its upper left corner.
+    pub ends: [[f32; 2]; 2],
+    /// Pixels.
+    pub width: f32,
+    /// sRGB code.
+    pub colour: [u8; 3],
+    /// How much it covers, 0 to 1.
+    pub opacity: f32,
+}
+
 /// A picture and what is said of it.
 #[derive(Clone, Debug)]
 pub struct PictureSheet {
@@ -37,6 +50,8 @@ pub struct PictureSheet {
     pub picture: Pixels8,
     /// The line of a wipe over it.
     pub wipe: Option<Wipe>,
+    /// Lines on it.
+    pub strokes: Vec<Stroke>,
     /// What its colours mean.
     pub scale: Option<Scale>,
     /// Lines below it.
@@ -92,6 +107,12 @@ pub fn picture_sheet(sheet: &PictureSheet) -> Pixels8 {
     };
     canvas.fill(frame, FRAME);
     canvas.paste(MARGIN, top, &sheet.picture);
+    for stroke in &sheet.strokes {
+        let ends = stroke
+            .ends
+            .map(|[x, y]| (x + MARGIN as f32, y + top as f32));
+        canvas.faint_line(ends, stroke.width, stroke.colour, stroke.opacity);
+    }
     let mut baseline = below as f32 + LINE as f32;
     if let Some(wipe) = &sheet.wipe {
         canvas.fill(line_of(wipe, width, height, (MARGIN, top)), WIPE);
@@ -204,6 +225,7 @@ mod tests {
                 pixels: (0..width * height).map(|i| [i as u8, 1, 2]).collect(),
             },
             wipe: None,
+            strokes: Vec::new(),
             scale: None,
             lines: Vec::new(),
         }
@@ -244,6 +266,8 @@ mod tests {
         };
         let page = picture_sheet(&PictureSheet {
             wipe: Some(wipe),
+            strokes: Vec::new(),
+
             ..sheet(64, 48)
         });
         let middle = MARGIN + HEADING + 24;

@@ -316,6 +316,7 @@ impl View for QuantityView {
                     heading: [scene, caption],
                     picture: plane.pixels(&look),
                     wipe: None,
+                    strokes: Vec::new(),
                     scale: Some(plane.scale(&look)),
                     lines: vec![fact],
                 })

@@ -13,7 +13,7 @@ fn of(app: &App) -> &InspectView {
     app.viewing.views.get().expect("a row of VIEWS")
 }
 
-fn shown<'a>(harness: &'a Harness<'_, App>) -> &'static str {
+fn shown(harness: &Harness<'_, App>) -> &'static str {
     harness.state().viewing.views.shown().id
 }
 
@@ -113,11 +113,39 @@ fn terms_and_expressions_choose_the_paths() {
 }
 
 #[test]
+fn what_is_saved_has_the_paths_that_are_drawn() {
+    let mut harness = inspecting([1280.0, 720.0]);
+    let saved = |harness: &Harness<'_, App>| {
+        let app = harness.state();
+        let image = app.viewing.views.image(&app.session, &app.viewing.settings);
+        let image = image.expect("there is something to save");
+        assert_eq!(image.name, "pixel-48-48");
+        (image.pixels)()
+    };
+    // An expression that no path has leaves none to be drawn.
+    let views = &mut harness.state_mut().viewing.views;
+    let view: &mut InspectView = views.get_mut().expect("a row of VIEWS");
+    "L G{60} E".clone_into(&mut view.list.only);
+    harness.run_steps(2);
+    let without = saved(&harness);
+    let views = &mut harness.state_mut().viewing.views;
+    let view: &mut InspectView = views.get_mut().expect("a row of VIEWS");
+    view.list.only.clear();
+    harness.run_steps(2);
+    let with = saved(&harness);
+    assert_eq!((with.width, with.height), (without.width, without.height));
+    let pairs = with.pixels.iter().zip(&without.pixels);
+    let n = pairs.filter(|(a, b)| a != b).count();
+    assert!(n > 50, "{n} pixels differ");
+}
+
+#[test]
 fn every_size_has_room_for_picture_and_figures() {
     for size in [[640.0, 420.0], [1000.0, 640.0]] {
         let mut harness = inspecting(size);
         press(&mut harness, Key::ArrowDown);
         click(&mut harness, "Techniques");
-        assert!(harness.query_by_label_contains("s=0 t=2").is_some());
+        let techniques = harness.query_all_by_label_contains("s=0 t=2");
+        assert!(techniques.count() > 0);
     }
 }

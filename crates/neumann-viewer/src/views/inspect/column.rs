@@ -82,7 +82,7 @@ fn figures(ui: &mut Ui, view: &mut InspectView, job: &Job, settings: &mut ViewSe
     ui.add(egui::Label::new(text).wrap());
     bounces(ui, &found, settings);
     techniques(ui, view, &found);
-    if fold(ui, "Single iterations", true) {
+    if fold(ui, "Single iterations", false) {
         distribution(ui, &found);
     }
     paths(ui, view, &found, job);
@@ -300,13 +300,18 @@ fn paths(ui: &mut Ui, view: &mut InspectView, found: &Inspection, job: &Job) {
         f64::from(found.total().mean.luminance()).max(1e-30) * f64::from(found.n_iterations());
     let mut clicked = None;
     for (path, is_chosen) in view.list.rows(found).take(N_ROWS) {
-        if row(ui, path, total, is_chosen).clicked() {
+        let response = row(ui, path, total, is_chosen);
+        if is_chosen && view.list.reveals {
+            response.scroll_to_me(Some(egui::Align::Center));
+        }
+        if response.clicked() {
             clicked = Some(path.clone());
         }
         if is_chosen {
             vertices(ui, &path.1, job, view.list.vertex);
         }
     }
+    view.list.reveals = false;
     if let Some(path) = clicked {
         view.list.toggle(&path);
     }
@@ -383,7 +388,10 @@ fn vertices(ui: &mut Ui, path: &Replayed, job: &Job, looked_at: usize) {
         line(ui, &title(vertex, job), hue, i == looked_at);
         if i == looked_at {
             for text in details(vertex) {
-                hint(ui, &text);
+                ui.horizontal(|ui| {
+                    ui.add_space(2.0 * GRID);
+                    hint(ui, &text);
+                });
             }
         }
     }

@@ -1,11 +1,14 @@
 //! Paths as lines: the camera's part, the light's part, and how they were joined.
 
+use std::f32::consts::TAU;
+
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2};
 use glam::Vec3;
 use neumann_core::endpoint::Camera;
 use neumann_core::film::Joint;
 use neumann_core::render::{Job, Replayed};
-use neumann_core::transport::VertexKind;
+use neumann_core::transport::{PathVertex, VertexKind};
+use neumann_picture::sheet;
 
 use crate::display::image_area::Placement;
 use crate::theme::Palette;
@@ -44,14 +47,39 @@ pub(super) fn hues(p: &Palette) -> [Color32; 2] {
     [EYE[i], LIGHT[i]]
 }
 
-/// What paths are drawn with.
-pub(super) struct Paint {
-    painter: Painter,
+/// What paths are drawn as, to be painted on the screen or on a sheet.
+pub(super) struct Marks {
+    all: Vec<Mark>,
+    /// Nothing is drawn outside of this.
+    clip: Rect,
     /// From the eye, from the light.
     hues: [Color32; 2],
     outline: Color32,
     text: Color32,
 }
+
+enum Mark {
+    Line {
+        ends: [Pos2; 2],
+        stroke: Stroke,
+        is_dashed: bool,
+    },
+    Disk {
+        center: Pos2,
+        radius: f32,
+        color: Color32,
+    },
+    Ring {
+        center: Pos2,
+        radius: f32,
+        stroke: Stroke,
+    },
+}
+
+/// Lengths of the dashes of a connection, and of the gaps between them.
+const DASHES: [f32; 2] = [5.0, 4.0];
+/// Corners of a ring on a sheet.
+const N_CORNERS: usize = 24;
 
 /// A path in the scene: both parts, each from its own end.
 struct Lines {
@@ -65,11 +93,10 @@ impl Lines {
             let near = part.iter().filter(|v| v.kind != VertexKind::FarLight);
             near.map(|v| v.position).collect::<Vec<_>>()
         });
-        let far = |part: &[_]| -> Option<Vec3> {
-            let mut far = part
-                .iter()
-                .filter(|v: &&neumann_core::transport::PathVertex| v.kind == VertexKind::FarLight);
-            far.next().map(|v| v.position)
+        let far = |part: &[PathVertex]| {
+            let mut all = part.iter();
+            all.find(|v| v.kind == VertexKind::FarLight)
+                .map(|v| v.position)
         };
         if let (Some(direction), Some(last)) = (far(&path.camera), parts[0].last().copied()) {
             parts[0].push(last + direction * reach);
@@ -94,73 +121,73 @@ impl Lines {
     }
 }
 
-impl Paint {
-    pub(super) fn new(painter: Painter, p: &Palette) -> Self {
+impl Marks {
+    /// Nothing yet, of what lies within a rectangle.
+    pub(super) fn new(clip: Rect, p: &Palette) -> Self {
         Self {
-            painter,
+            all: Vec::new(),
+            clip,
             hues: hues(p),
             outline: p.ground,
             text: p.text,
         }
     }
 
-    /// A path as lines, as opaque as `strength` says. A connection is dashed; a merge joins the two
-    /// ends that were taken for one point.
-    pub(super) fn path(&self, through: &Through<'_>, path: &Replayed, reach: f32, strength: f32) {
+    /// A path as lines, as opaque as `strength` says. A connection is dashed; a merge is a ring
+    /// about the two ends that were taken for one point.
+    pub(super) fn add_path(
+        &mut self,
+        through: &Through<'_>,
+        path: &Replayed,
+        reach: f32,
+        strength: f32,
+    ) {
         let lines = Lines::of(path, reach);
         let width = if strength >= 1.0 { 2.0 } else { 1.0 };
-        for (part, hue) in lines.parts.iter().zip(self.hues) {
-            let stroke = Stroke::new(width, hue.gamma_multiply(strength));
+        let strokes = self
+            .hues
+            .map(|hue| Stroke::new(width, hue.gamma_multiply(strength)));
+        for (part, stroke) in lines.parts.iter().zip(strokes) {
             for pair in part.windows(2) {
-                self.segment(through, [pair[0], pair[1]], stroke, strength >= 1.0);
+                if let Some(ends) = self.on_screen(through, [pair[0], pair[1]]) {
+                    if strength >= 1.0 {
+                        let under = self.outline.gamma_multiply(0.7);
+                        self.add_line(ends, Stroke::new(width + 2.0, under), false);
+                    }
+                    self.add_line(ends, stroke, false);
+                }
             }
         }
         let [eye, light] = &lines.parts;
-        if let (Some(a), Some(b)) = (eye.last(), light.last()) {
-            let ends = [a, b].map(|at| through(*at));
-            let color = self.hues[1].gamma_multiply(strength);
-            match (path.contribution.strategy.joint, ends) {
-                (Joint::Merge, [Some(a), Some(b)]) => {
-                    let radius = a.distance(b).max(RADIUS) + 2.0;
-                    self.painter
-                        .circle_stroke(a, radius, Stroke::new(width, color));
-                }
-                (Joint::Connect, _) => {
-                    if let Some(ends) = self.on_screen(through, [*a, *b]) {
-                        let stroke = Stroke::new(width, color);
-                        self.painter
-                            .extend(Shape::dashed_line(&ends, stroke, 5.0, 4.0));
-                    }
-                }
-                _ => {}
-            }
-        }
-    }
-
-    fn segment(&self, through: &Through<'_>, ends: [Vec3; 2], stroke: Stroke, is_chosen: bool) {
-        let Some(ends) = self.on_screen(through, ends) else {
+        let (Some(a), Some(b)) = (eye.last(), light.last()) else {
             return;
         };
-        if is_chosen {
-            let under = Stroke::new(stroke.width + 2.0, self.outline.gamma_multiply(0.7));
-            self.painter.line_segment(ends, under);
+        match path.contribution.strategy.joint {
+            Joint::Merge => {
+                if let (Some(center), Some(other)) = (through(*a), through(*b)) {
+                    let radius = center.distance(other).max(RADIUS) + 2.0;
+                    self.add_ring(center, radius, strokes[1]);
+                }
+            }
+            Joint::Connect => {
+                if let Some(ends) = self.on_screen(through, [*a, *b]) {
+                    self.add_line(ends, strokes[1], true);
+                }
+            }
+            Joint::Hit => {}
         }
-        self.painter.line_segment(ends, stroke);
     }
 
     /// The part of a segment that is within what is painted: near the plane of the eye a segment is
     /// as good as endless, and a dashed one has as many dashes.
     fn on_screen(&self, through: &Through<'_>, ends: [Vec3; 2]) -> Option<[Pos2; 2]> {
-        within(
-            self.painter.clip_rect().expand(4.0),
-            visible(through, ends)?,
-        )
+        within(self.clip.expand(2.0), visible(through, ends)?)
     }
 
     /// The vertices of a path as circles: those from the eye full, those from the light open. The
     /// one that is looked at has a ring.
-    pub(super) fn vertices(
-        &self,
+    pub(super) fn add_vertices(
+        &mut self,
         through: &Through<'_>,
         path: &Replayed,
         reach: f32,
@@ -169,26 +196,131 @@ impl Paint {
         let is_merge = path.contribution.strategy.joint == Joint::Merge;
         let vertices = Lines::of(path, reach).vertices(is_merge);
         for (i, (at, part)) in vertices.into_iter().enumerate() {
-            let Some(at) = through(at) else { continue };
+            let Some(at) = through(at).filter(|at| self.clip.contains(*at)) else {
+                continue;
+            };
             let hue = self.hues[part];
-            self.painter.circle_filled(at, RADIUS + 1.5, self.outline);
+            self.add_disk(at, RADIUS + 1.5, self.outline);
             if part == 0 {
-                self.painter.circle_filled(at, RADIUS, hue);
+                self.add_disk(at, RADIUS, hue);
             } else {
-                self.painter
-                    .circle_stroke(at, RADIUS - 0.5, Stroke::new(1.5, hue));
+                self.add_ring(at, RADIUS - 0.5, Stroke::new(1.5, hue));
             }
             if i == looked_at {
-                let ring = Stroke::new(1.5, self.text);
-                self.painter.circle_stroke(at, RADIUS + 4.0, ring);
+                self.add_ring(at, RADIUS + 4.0, Stroke::new(1.5, self.text));
             }
         }
     }
 
     /// The eye of the camera, as a full circle.
-    pub(super) fn eye(&self, at: Pos2) {
-        self.painter.circle_filled(at, RADIUS + 1.0, self.outline);
-        self.painter.circle_filled(at, RADIUS - 0.5, self.hues[0]);
+    pub(super) fn add_eye(&mut self, at: Pos2) {
+        self.add_disk(at, RADIUS + 1.0, self.outline);
+        self.add_disk(at, RADIUS - 0.5, self.hues[0]);
+    }
+
+    fn add_line(&mut self, ends: [Pos2; 2], stroke: Stroke, is_dashed: bool) {
+        self.all.push(Mark::Line {
+            ends,
+            stroke,
+            is_dashed,
+        });
+    }
+
+    fn add_disk(&mut self, center: Pos2, radius: f32, color: Color32) {
+        self.all.push(Mark::Disk {
+            center,
+            radius,
+            color,
+        });
+    }
+
+    fn add_ring(&mut self, center: Pos2, radius: f32, stroke: Stroke) {
+        self.all.push(Mark::Ring {
+            center,
+            radius,
+            stroke,
+        });
+    }
+
+    /// Paints them on the screen.
+    pub(super) fn paint(&self, painter: &Painter) {
+        let [dash, gap] = DASHES;
+        for mark in &self.all {
+            match mark {
+                Mark::Line {
+                    ends,
+                    stroke,
+                    is_dashed: true,
+                } => painter.extend(Shape::dashed_line(ends, *stroke, dash, gap)),
+                Mark::Line { ends, stroke, .. } => {
+                    painter.line_segment(*ends, *stroke);
+                }
+                Mark::Disk {
+                    center,
+                    radius,
+                    color,
+                } => {
+                    painter.circle_filled(*center, *radius, *color);
+                }
+                Mark::Ring {
+                    center,
+                    radius,
+                    stroke,
+                } => {
+                    painter.circle_stroke(*center, *radius, *stroke);
+                }
+            }
+        }
+    }
+
+    /// The same as lines on a sheet.
+    pub(super) fn strokes(&self) -> Vec<sheet::Stroke> {
+        let mut strokes = Vec::new();
+        let mut add = |ends: [Pos2; 2], width: f32, color: Color32| {
+            let [r, g, b, a] = color.to_srgba_unmultiplied();
+            strokes.push(sheet::Stroke {
+                ends: ends.map(|at| [at.x, at.y]),
+                width,
+                colour: [r, g, b],
+                opacity: f32::from(a) / 255.0,
+            });
+        };
+        for mark in &self.all {
+            match *mark {
+                Mark::Line {
+                    ends: [from, to],
+                    stroke,
+                    is_dashed,
+                } => {
+                    let length = from.distance(to);
+                    let [dash, gap] = if is_dashed { DASHES } else { [length, 1.0] };
+                    let n = (length / (dash + gap)).ceil().max(1.0) as usize;
+                    let at = |along: f32| from.lerp(to, (along / length.max(1e-6)).min(1.0));
+                    for i in 0..n {
+                        let start = i as f32 * (dash + gap);
+                        add([at(start), at(start + dash)], stroke.width, stroke.color);
+                    }
+                }
+                Mark::Disk {
+                    center,
+                    radius,
+                    color,
+                } => add([center, center], 2.0 * radius, color),
+                Mark::Ring {
+                    center,
+                    radius,
+                    stroke,
+                } => {
+                    let corner = |i: usize| {
+                        center + radius * Vec2::angled(i as f32 * TAU / N_CORNERS as f32)
+                    };
+                    for i in 0..N_CORNERS {
+                        add([corner(i), corner(i + 1)], stroke.width, stroke.color);
+                    }
+                }
+            }
+        }
+        strokes
     }
 }
 

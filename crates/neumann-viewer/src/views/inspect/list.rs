@@ -16,6 +16,8 @@ pub struct List {
     pub technique: Option<Strategy>,
     /// The vertex of the chosen path that is looked at, from the eye on.
     pub vertex: usize,
+    /// The chosen path is to be scrolled to.
+    pub(super) reveals: bool,
     /// Indices into the paths of the inspection, those that bring most first.
     rows: Vec<usize>,
     chosen: Option<Name>,
@@ -171,6 +173,7 @@ impl List {
         let next = next.clamp(0, names.len().max(1) as i64 - 1) as usize;
         self.chosen = names.get(next).copied();
         self.vertex = 0;
+        self.reveals = true;
     }
 
     /// Looks at the vertex so many further along the chosen path.

@@ -13,9 +13,12 @@ mod worker;
 
 use std::sync::Arc;
 
-use egui::{Key, Modifiers, PointerButton, Pos2, Rect, Ui, pos2};
+use egui::{Key, Modifiers, PointerButton, Pos2, Rect, StrokeKind, Ui, Vec2, pos2};
 use neumann_core::render::{Inspection, Job, Replayed};
+use neumann_picture::inspection;
+use neumann_picture::sheet::{PictureSheet, picture_sheet};
 
+use self::drawing::Marks;
 use self::list::List;
 use self::outside::Outside;
 use self::worker::Worker;
@@ -180,8 +183,38 @@ impl View for InspectView {
     }
 
     fn image(&self, session: &Session, settings: &ViewSettings) -> Option<Shown> {
-        let is_there = session.picture.is_there();
-        is_there.then(|| picture::shown_image(session, settings))
+        let job = session
+            .link
+            .started()
+            .filter(|_| session.picture.is_there())?;
+        let [x, y] = self.pixel?;
+        let picture = picture::shown_image(session, settings);
+        let (width, height) = (job.settings.width, job.settings.height);
+        let frame = Rect::from_min_size(Pos2::ZERO, Vec2::new(width as f32, height as f32));
+        let mut marks = Marks::new(frame, &Palette::of_theme(true));
+        self.add_paths(&mut marks, &drawing::through_camera(job, frame), job);
+        let strokes = marks.strokes();
+        let sentence = inspection::sentence(&self.found, &job.scene);
+        let heading = [
+            job.scene.name().to_owned(),
+            format!(
+                "why pixel {x}, {y} is as bright as it is, by {}",
+                job.settings.method.id
+            ),
+        ];
+        Some(Shown {
+            name: format!("pixel-{x}-{y}"),
+            pixels: Box::new(move || {
+                picture_sheet(&PictureSheet {
+                    heading,
+                    picture: (picture.pixels)(),
+                    wipe: None,
+                    strokes,
+                    scale: None,
+                    lines: vec![sentence],
+                })
+            }),
+        })
     }
 
     fn perform(&mut self, action: Action) -> bool {
@@ -238,58 +271,46 @@ impl InspectView {
             return response.hover_pos();
         };
         let part = region::rect(&placement, job.settings.camera.crop.as_ref());
-        let paint = drawing::Paint::new(painter.with_clip_rect(placement.visible), &p);
         let through = drawing::through_camera(job, part);
-        self.draw_paths(&paint, &through, job);
+        let mut marks = Marks::new(placement.visible, &p);
+        self.add_paths(&mut marks, &through, job);
+        marks.paint(&painter.with_clip_rect(placement.visible));
         drawing::mark_pixel(&painter, &placement, pixel, &p);
-        let corner = Rect::from_min_max(
-            pos2(
-                rect.left() + GRID,
-                rect.bottom() - GRID - outside::height(rect),
-            ),
-            pos2(
-                rect.left() + GRID + outside::width(rect),
-                rect.bottom() - GRID,
-            ),
-        );
-        self.draw_outside(ui, corner, job);
+        let size = Vec2::new(outside::width(rect), outside::height(rect));
+        let corner = rect.left_bottom() + Vec2::new(GRID, -GRID - size.y);
+        self.draw_outside(ui, Rect::from_min_size(corner, size), job);
         response.hover_pos()
     }
 
     /// Those that are listed, faint ones first, and the chosen one over them.
-    fn draw_paths(&self, paint: &drawing::Paint, through: &drawing::Through<'_>, job: &Job) {
+    fn add_paths(&self, marks: &mut Marks, through: &drawing::Through<'_>, job: &Job) {
         let reach = 2.0 * job.scene.lights().bounds().radius;
-        let brightest = self
-            .list
-            .first(&self.found)
-            .map_or(0.0, |path| path.value().luminance());
-        let is_one_chosen = self.chosen().is_some();
+        let first = self.list.first(&self.found);
+        let brightest = first.map_or(0.0, |path| path.value().luminance());
+        let chosen = self.chosen();
         for path in self.list.drawn(&self.found).rev() {
             let share = (path.value().luminance() / brightest).max(0.0).sqrt();
-            let strength = if is_one_chosen { 0.25 } else { 0.8 };
-            paint.path(through, path, reach, strength * (0.1 + 0.9 * share));
+            let strength = if chosen.is_some() { 0.25 } else { 0.8 };
+            marks.add_path(through, path, reach, strength * (0.1 + 0.9 * share));
         }
-        if let Some(path) = self.chosen() {
-            paint.path(through, path, reach, 1.0);
-            paint.vertices(through, path, reach, self.list.vertex);
+        if let Some(path) = chosen {
+            marks.add_path(through, path, reach, 1.0);
+            marks.add_vertices(through, path, reach, self.list.vertex);
         }
     }
 
     fn draw_outside(&mut self, ui: &Ui, rect: Rect, job: &Job) {
-        if !outside::fits(rect) {
-            return;
-        }
         let p = Palette::of(ui);
         self.outside.take_pointer(ui, rect, &job.scene);
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 4, plate::ground(&p));
-        let inside = egui::StrokeKind::Inside;
-        painter.rect_stroke(rect, 4, (1.0, p.line), inside);
         let through = self.outside.through(rect, job);
         self.outside.draw_scene(&painter, &through, &p);
-        let paint = drawing::Paint::new(painter, &p);
-        self.draw_paths(&paint, &through, job);
-        self.outside.draw_camera(&paint, &through, job);
+        let mut marks = Marks::new(rect, &p);
+        self.add_paths(&mut marks, &through, job);
+        self.outside.add_camera(&mut marks, &through, job);
+        marks.paint(&painter);
+        painter.rect_stroke(rect, 4, (1.0, p.line), StrokeKind::Inside);
     }
 }
 

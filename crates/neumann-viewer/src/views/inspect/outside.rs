@@ -10,7 +10,7 @@ use neumann_core::endpoint::Camera;
 use neumann_core::render::Job;
 use neumann_core::scene::Scene;
 
-use super::drawing::{Paint, Through};
+use super::drawing::{Marks, Through};
 use crate::theme::Palette;
 use crate::widgets::focus_ring;
 
@@ -18,6 +18,8 @@ use crate::widgets::focus_ring;
 const N_TRIANGLES: usize = 1500;
 /// Distance of the eye, in radii of the scene.
 const DISTANCE: f32 = 2.6;
+/// A camera further away than this, in radii of the scene, is left out.
+const FAR: f32 = 4.0;
 /// Radians for a drag across its height.
 const TURN: f32 = 3.0;
 
@@ -44,17 +46,12 @@ impl Default for Outside {
 
 /// Its width on a stage.
 pub(super) fn width(stage: Rect) -> f32 {
-    (0.36 * stage.width()).clamp(120.0, 260.0)
+    (0.3 * stage.width()).clamp(120.0, 220.0)
 }
 
 /// Its height on a stage.
 pub(super) fn height(stage: Rect) -> f32 {
     0.72 * width(stage)
-}
-
-/// False where there is no room for it.
-pub(super) fn fits(rect: Rect) -> bool {
-    rect.width() >= 120.0 && rect.height() >= 80.0
 }
 
 impl Outside {
@@ -104,9 +101,14 @@ impl Outside {
         let back = Vec3::new(along * sin, up, along * cos);
         let right = Vec3::new(cos, 0.0, -sin);
         let above = back.cross(right);
-        let eye = bounds.center + back * (DISTANCE * self.distance * bounds.radius);
-        let near = 0.01 * bounds.radius;
-        // The whole scene fits the shorter side.
+        let settings = &job.settings;
+        let camera = Camera::new(&settings.camera, settings.width, settings.height).position();
+        // A camera that stands not too far outside is to be seen, too.
+        let away = camera.distance(bounds.center) / bounds.radius.max(1e-30);
+        let radius = bounds.radius * if away < FAR { away.max(1.0) } else { 1.0 };
+        let eye = bounds.center + back * (DISTANCE * self.distance * radius);
+        let near = 0.01 * radius;
+        // All of it fits the shorter side.
         let scale = 0.5 * rect.size().min_elem() * (DISTANCE * DISTANCE - 1.0).sqrt();
         Box::new(move |at| {
             let from = at - eye;
@@ -127,11 +129,11 @@ impl Outside {
     }
 
     /// Where the picture's camera stands.
-    pub(super) fn draw_camera(&self, paint: &Paint, through: &Through<'_>, job: &Job) {
+    pub(super) fn add_camera(&self, marks: &mut Marks, through: &Through<'_>, job: &Job) {
         let settings = &job.settings;
         let camera = Camera::new(&settings.camera, settings.width, settings.height);
         if let Some(at) = through(camera.position()) {
-            paint.eye(at);
+            marks.add_eye(at);
         }
     }
 }

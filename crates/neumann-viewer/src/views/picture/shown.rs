@@ -50,6 +50,7 @@ pub(in crate::views) fn image(session: &Session, settings: &ViewSettings) -> Sho
                     pixels: pixels.iter().map(|p| settings.code(*p)).collect(),
                 },
                 wipe: None,
+                strokes: Vec::new(),
                 scale: Some(settings.scale(false)),
                 lines,
             })
@@ -98,6 +99,7 @@ fn of_two(
                 heading,
                 picture: pixels_of_two(&pixels, &settings, is_difference),
                 wipe,
+                strokes: Vec::new(),
                 scale: has_scale.then(|| settings.scale(is_difference)),
                 lines,
             })

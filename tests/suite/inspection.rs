@@ -34,9 +34,18 @@ fn pixels(stream: u64) -> Vec<[u32; 2]> {
 
 /// The first iterations of some pixels.
 fn inspect(setup: &Setup, scene: &Arc<Scene>, pixels: &[[u32; 2]]) -> Vec<Inspection> {
+    inspect_first(N_ITERATIONS, setup, scene, pixels)
+}
+
+fn inspect_first(
+    n_iterations: u32,
+    setup: &Setup,
+    scene: &Arc<Scene>,
+    pixels: &[[u32; 2]],
+) -> Vec<Inspection> {
     let renderer = Renderer::new(Arc::clone(scene), setup.settings.clone(), pool(), 0);
     let mut inspected = vec![Inspection::default(); pixels.len()];
-    for iteration in 0..N_ITERATIONS {
+    for iteration in 0..n_iterations {
         let replayed = renderer.replay(iteration, pixels, &CancelToken::default());
         for (inspected, replayed) in inspected
             .iter_mut()
@@ -130,5 +139,30 @@ fn kinds_of_paths_add_up() {
                 assert_eq!(n, 1, "{id}: {way:?}");
             }
         }
+    }
+}
+
+/// A firefly's paths are those that the film has there, and few of them have made it.
+#[test]
+fn fireflies_replay_to_what_was_recorded() {
+    const N: u32 = 16;
+    let scene = builtin("pool");
+    for id in ["naive", "pt-mis", "bdpt"] {
+        let method = neumann_core::integrator::method(id).expect("a method of the registry");
+        let setup = setup(&scene, method);
+        let film = setup.film(0, N);
+        let found = film.fireflies(12);
+        assert!(found.len() > 3, "{id}: {found:?}");
+        let pixels: Vec<_> = found.iter().map(|f| f.pixel.map(|at| at as u32)).collect();
+        let inspected = inspect_first(N, &setup, &scene, &pixels);
+        for (firefly, inspected) in found.iter().zip(&inspected) {
+            let total = inspected.total().mean.luminance();
+            let apart = (total - firefly.luminance).abs();
+            assert!(apart <= 1e-5 * total, "{id}, {firefly:?}: {total}");
+        }
+        // Few paths have made the brightest one.
+        let brightest = inspected[0].total().mean.luminance();
+        let largest = inspected[0].paths()[0].1.value().luminance() / N as f32;
+        assert!(largest > 0.2 * brightest, "{id}: {largest} of {brightest}");
     }
 }

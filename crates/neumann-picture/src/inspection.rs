@@ -12,6 +12,9 @@ use crate::figures::significant;
 /// A surface that this share of a bounce has come by is worth a word.
 const WORTH_NAMING: f64 = 0.5;
 
+/// A step that multiplies a path by this is worth a word.
+const WORTH_TELLING: f64 = 1.5;
+
 /// What a bounce is written as: `D`, `G` or `S` for its lobe, `t` behind it where light passes
 /// through the surface.
 #[must_use]
@@ -136,6 +139,47 @@ fn number(n: usize) -> String {
     WORDS
         .get(n)
         .map_or_else(|| n.to_string(), |word| (*word).to_owned())
+}
+
+/// Why a path is rare, in a sentence: at which of its vertices it was multiplied most, since the
+/// direction that it went on in had a small density for what it carries, and whether another
+/// technique would have found it more often.
+#[must_use]
+pub fn rarity(path: &Replayed, scene: &Scene) -> String {
+    let walked = path.camera.iter().chain(&path.light);
+    let gains = walked.filter_map(|vertex| {
+        let event = vertex.event.filter(|event| event.lobe != Lobe::Specular)?;
+        let gain = event.f_cos.max_channel() / (event.pdf_w * event.survival);
+        Some((vertex, event, f64::from(gain)))
+    });
+    let most = gains.max_by(|(.., a), (.., b)| a.total_cmp(b));
+    let step = most.filter(|(.., gain)| *gain > WORTH_TELLING);
+    let step = step.map_or_else(
+        || "No step of it is rare by itself.".to_owned(),
+        |(vertex, event, gain)| {
+            let at = material(scene, vertex.material);
+            let at = at.map(|name| format!(" at '{name}'")).unwrap_or_default();
+            let density = significant(f64::from(event.pdf_w), 2);
+            let times = significant(gain, 2);
+            format!("The step{at} had density {density} sr⁻¹ and multiplies it by {times}.")
+        },
+    );
+    let Strategy { t, joint, .. } = path.contribution.strategy;
+    let weight = f64::from(path.contribution.mis_weight);
+    let others = if weight < 0.5 {
+        "other techniques find such paths more often"
+    } else {
+        "no other technique finds such paths more often"
+    };
+    let chance = match joint {
+        Joint::Hit if t == 0 => "it met the lens by chance, and ",
+        Joint::Hit => "it met the light by chance, and ",
+        Joint::Connect | Joint::Merge => "",
+    };
+    format!(
+        "{step} Its weight is {}: {chance}{others}.",
+        significant(weight, 2)
+    )
 }
 
 /// A share in percent.

@@ -331,7 +331,8 @@ pub(crate) struct ReplayArguments {
     Examples:\n  \
     neumann inspect cornell --pixel 256,400\n  \
     neumann inspect cornell-glass --pixel 200,420 --integrator bdpt --only LS+DE\n  \
-    neumann inspect pool --size 96x96 --pixel 40,60 --integrator vcm --bounce 3 --json"
+    neumann inspect pool --size 96x96 --pixel 40,60 --integrator vcm --bounce 3 --json\n  \
+    neumann inspect pool --size 96x96 --fireflies 5"
 )]
 pub(crate) struct InspectArguments {
     /// A .gltf or .glb file, or the name of a built-in scene
@@ -341,9 +342,19 @@ pub(crate) struct InspectArguments {
         long,
         value_name = "X,Y",
         value_parser = crate::options::pixel,
-        allow_hyphen_values = true
+        allow_hyphen_values = true,
+        required_unless_present = "fireflies"
     )]
-    pub(crate) pixel: [u32; 2],
+    pub(crate) pixel: Option<[u32; 2]>,
+    /// Find the N pixels that stand out most and say which paths have made them
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = whole(1..=256),
+        allow_hyphen_values = true,
+        conflicts_with_all = ["pixel", "bounce", "technique", "only", "list"]
+    )]
+    pub(crate) fireflies: Option<u32>,
     /// Iterations to look at, from number 0 on
     #[arg(
         long,

@@ -1,7 +1,11 @@
-//! `neumann inspect`: why a pixel is as bright as it is.
+//! `neumann inspect`: why a pixel is as bright as it is, and which pixels to ask about.
+
+mod fireflies;
 
 use neumann_core::expression::Expression;
-use neumann_core::render::{Inspection, Measured, Renderer, Replayed, WayShare};
+use neumann_core::render::{
+    CancelToken, Inspection, Measured, Renderer, Replayed, SampleCount, WayShare,
+};
 use neumann_core::scene::Scene;
 use neumann_picture::figures::significant;
 use neumann_picture::inspection::{self, percent};
@@ -19,7 +23,10 @@ const BAR: u32 = 40;
 
 pub(crate) fn run(arguments: &InspectArguments) -> Outcome {
     let (scene, settings) = arguments.settings.resolve(&arguments.scene)?;
-    paths::check_pixel(arguments.pixel, &settings)?;
+    let Some(pixel) = arguments.pixel else {
+        return fireflies::run(arguments, &scene, settings);
+    };
+    paths::check_pixel(pixel, &settings)?;
     let only = arguments.only.as_deref();
     let only = only.map(|text| Expression::new(text, &scene)).transpose();
     let only = only.map_err(|error| {
@@ -30,13 +37,9 @@ pub(crate) fn run(arguments: &InspectArguments) -> Outcome {
     let renderer = Renderer::new(scene.clone(), settings, pool, 0);
     let cancel = interrupt::token();
     let inspected = while_waiting("walking the paths once more", || {
-        let mut inspected = Inspection::default();
-        for iteration in 0..arguments.iterations {
-            let mut replayed = renderer.replay(iteration, &[arguments.pixel], &cancel)?;
-            inspected.add(&scene, iteration, replayed.pop().unwrap_or_default());
-        }
-        Ok::<_, anyhow::Error>(inspected)
+        inspect(&renderer, &scene, arguments.iterations, &[pixel], &cancel)
     })?;
+    let inspected = inspected.into_iter().next().unwrap_or_default();
     let shown = Shown {
         arguments,
         scene: &scene,
@@ -48,6 +51,24 @@ pub(crate) fn run(arguments: &InspectArguments) -> Outcome {
     } else {
         console::result(&shown.as_text())
     }
+}
+
+/// The first iterations of some pixels.
+fn inspect(
+    renderer: &Renderer,
+    scene: &Scene,
+    n_iterations: u32,
+    pixels: &[[u32; 2]],
+    cancel: &CancelToken,
+) -> Outcome<Vec<Inspection>> {
+    let mut inspected = vec![Inspection::default(); pixels.len()];
+    for iteration in 0..n_iterations {
+        let replayed = renderer.replay(iteration, pixels, cancel)?;
+        for (inspected, replayed) in inspected.iter_mut().zip(replayed) {
+            inspected.add(scene, iteration, replayed);
+        }
+    }
+    Ok(inspected)
 }
 
 /// What was found, and what of it is wanted.
@@ -183,7 +204,7 @@ impl Shown<'_> {
             let bar = "#".repeat((BAR * n).div_ceil(largest.max(1)) as usize);
             format!("{name:>22}  {n:>7}  {bar}").trim_end().to_owned()
         };
-        let of_bin = |bin: neumann_core::render::SampleCount| {
+        let of_bin = |bin: SampleCount| {
             let [least, most] = bin.range.map(|edge| significant(edge, 2));
             line(format!("{least} to {most}"), bin.n)
         };

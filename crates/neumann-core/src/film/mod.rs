@@ -11,6 +11,7 @@ pub mod contribution;
 pub mod features;
 #[allow(clippy::module_inception, reason = "the Film itself")]
 mod film;
+mod fireflies;
 mod frame;
 mod layer_spread;
 mod means;
@@ -22,6 +23,7 @@ pub mod view;
 pub use contribution::{Contribution, Joint, Strategy};
 pub use features::Features;
 pub use film::{Film, FilmError, Spread};
+pub use fireflies::Firefly;
 pub use frame::{Frame, PhotonReport};
 pub(crate) use frame::{LitLayers, Slot, TILE, TILE_PIXELS, TileBounds, TileGrid, add_to_tile};
 pub use sample_map::SampleMap;

@@ -144,6 +144,7 @@ fn every_size_has_room_for_picture_and_figures() {
     for size in [[640.0, 420.0], [1000.0, 640.0]] {
         let mut harness = inspecting(size);
         press(&mut harness, Key::ArrowDown);
+        click(&mut harness, "Fireflies");
         click(&mut harness, "Techniques");
         let techniques = harness.query_all_by_label_contains("s=0 t=2");
         assert!(techniques.count() > 0);

@@ -94,3 +94,28 @@ fn what_cannot_be_read_is_refused_with_a_caret() {
     let stderr = folder.fail("inspect cornell --pixel 3,3 --technique 2", 2);
     assert!(stderr.contains("use S,T"), "{stderr}");
 }
+
+#[test]
+fn fireflies_are_found_with_the_paths_that_made_them() {
+    let folder = Folder::new();
+    let line = "pool --size 48x36 --iterations 8 --fireflies 3";
+    let found = inspected(&folder, line);
+    let found = found["fireflies"].as_array().unwrap();
+    assert_eq!(found.len(), 3);
+    for firefly in found {
+        assert!(number(&firefly["luminance"]) > 3.0 * number(&firefly["around"]));
+        assert!(number(&firefly["path"]["share"]) > 0.05);
+        assert!(
+            firefly["path"]["rarity"]
+                .as_str()
+                .unwrap()
+                .contains("weight")
+        );
+    }
+    let text = folder.succeed(&format!("inspect {line}"));
+    assert_eq!(text.matches("pixel ").count(), 3, "{text}");
+    let none = folder.succeed("inspect furnace --size 16x16 --iterations 4 --fireflies 3");
+    assert_eq!(none.trim(), "No pixel stands out.");
+    let stderr = folder.fail("inspect pool --fireflies 3 --pixel 1,1", 2);
+    assert!(stderr.contains("cannot be used with"), "{stderr}");
+}

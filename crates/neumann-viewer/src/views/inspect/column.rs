@@ -50,13 +50,19 @@ pub(super) fn show(
             egui::Frame::new().inner_margin(margin).show(ui, |ui| {
                 ui.set_width(ui.available_width());
                 ui.spacing_mut().item_spacing.y = 2.0;
-                figures(ui, view, job, settings);
+                figures(ui, view, session, job, settings);
             });
         });
     });
 }
 
-fn figures(ui: &mut Ui, view: &mut InspectView, job: &Job, settings: &mut ViewSettings) {
+fn figures(
+    ui: &mut Ui,
+    view: &mut InspectView,
+    session: &Session,
+    job: &Job,
+    settings: &mut ViewSettings,
+) {
     let found = std::sync::Arc::clone(&view.found);
     let [x, y] = view.pixel.unwrap_or_default();
     let n = found.n_iterations();
@@ -85,6 +91,7 @@ fn figures(ui: &mut Ui, view: &mut InspectView, job: &Job, settings: &mut ViewSe
     if fold(ui, "Single iterations", false) {
         distribution(ui, &found);
     }
+    fireflies(ui, view, session);
     paths(ui, view, &found, job);
 }
 
@@ -190,6 +197,15 @@ fn techniques(ui: &mut Ui, view: &mut InspectView, found: &Inspection) {
         if bar.show(ui, paint).clicked() {
             view.list.technique = (!is_chosen).then_some(strategy);
         }
+    }
+}
+
+/// Pixels that stand out.
+fn fireflies(ui: &mut Ui, view: &mut InspectView, session: &Session) {
+    if fold(ui, "Fireflies", false)
+        && let Some(pixel) = view.fireflies.show(ui, session, view.pixel)
+    {
+        view.inspect_firefly(pixel);
     }
 }
 
@@ -388,10 +404,7 @@ fn vertices(ui: &mut Ui, path: &Replayed, job: &Job, looked_at: usize) {
         line(ui, &title(vertex, job), hue, i == looked_at);
         if i == looked_at {
             for text in details(vertex) {
-                ui.horizontal(|ui| {
-                    ui.add_space(2.0 * GRID);
-                    hint(ui, &text);
-                });
+                detail(ui, &text);
             }
         }
     }
@@ -408,6 +421,16 @@ fn line(ui: &mut Ui, text: &str, hue: Color32, is_looked_at: bool) {
     let color = if is_looked_at { p.text } else { p.weak };
     let at = center + Vec2::new(1.5 * GRID, 0.0);
     painter.text(at, Align2::LEFT_CENTER, text, theme::small(), color);
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
+}
+
+fn detail(ui: &mut Ui, text: &str) {
+    let p = Palette::of(ui);
+    let size = Vec2::new(ui.available_width(), ROW - 4.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let at = rect.left_center() + Vec2::new(2.5 * GRID, 0.0);
+    let painter = ui.painter_at(rect);
+    painter.text(at, Align2::LEFT_CENTER, text, theme::small(), p.weak);
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
 }
 

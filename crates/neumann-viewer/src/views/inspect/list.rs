@@ -18,6 +18,8 @@ pub struct List {
     pub vertex: usize,
     /// The chosen path is to be scrolled to.
     pub(super) reveals: bool,
+    /// The path that brings most is the chosen one, until another one is chosen.
+    pub(super) follows_first: bool,
     /// Indices into the paths of the inspection, those that bring most first.
     rows: Vec<usize>,
     chosen: Option<Name>,
@@ -62,6 +64,7 @@ impl List {
         self.made = None;
         self.share = None;
         self.vertex = 0;
+        self.follows_first = false;
     }
 
     /// Lists what there is now.
@@ -101,6 +104,10 @@ impl List {
             of_kind.map(|way| way.luminance).sum::<f64>() / total
         });
         self.made = Some(made);
+        if self.follows_first {
+            let first = self.rows.first().and_then(|i| found.paths().get(*i));
+            self.chosen = first.map(Name::of);
+        }
     }
 
     /// Why the expression is none, if it is none.
@@ -156,10 +163,12 @@ impl List {
         let name = Name::of(path);
         self.chosen = (self.chosen != Some(name)).then_some(name);
         self.vertex = 0;
+        self.follows_first = false;
     }
 
     /// Chooses none; false if none was chosen.
     pub(super) fn choose_none(&mut self) -> bool {
+        self.follows_first = false;
         self.chosen.take().is_some()
     }
 
@@ -174,6 +183,7 @@ impl List {
         self.chosen = names.get(next).copied();
         self.vertex = 0;
         self.reveals = true;
+        self.follows_first = false;
     }
 
     /// Looks at the vertex so many further along the chosen path.

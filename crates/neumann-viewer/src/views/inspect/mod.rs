@@ -7,6 +7,7 @@
 
 mod column;
 mod drawing;
+mod fireflies;
 mod list;
 mod outside;
 mod worker;
@@ -19,6 +20,7 @@ use neumann_picture::inspection;
 use neumann_picture::sheet::{PictureSheet, picture_sheet};
 
 use self::drawing::Marks;
+use self::fireflies::Fireflies;
 use self::list::List;
 use self::outside::Outside;
 use self::worker::Worker;
@@ -64,6 +66,7 @@ pub struct InspectView {
     worker: Option<Worker>,
     found: Arc<Inspection>,
     outside: Outside,
+    fireflies: Fireflies,
 }
 
 impl InspectView {
@@ -79,6 +82,13 @@ impl InspectView {
             self.pixel = Some(pixel);
             self.forget();
         }
+    }
+
+    /// Looks at a pixel that stands out, and at the path that has made it so.
+    pub fn inspect_firefly(&mut self, pixel: [usize; 2]) {
+        self.pixel = Some(pixel);
+        self.forget();
+        self.list.follows_first = true;
     }
 
     fn forget(&mut self) {
@@ -124,6 +134,7 @@ impl InspectView {
 impl View for InspectView {
     fn close(&mut self) {
         self.forget();
+        self.fireflies = Fireflies::default();
     }
 
     fn attend(&mut self, session: &Session, settings: &ViewSettings) -> bool {

@@ -95,7 +95,9 @@ impl Outside {
 
     /// As it is seen from there, in `rect`.
     pub(super) fn through(&self, rect: Rect, job: &Job) -> Box<Through<'static>> {
-        let bounds = job.scene.lights().bounds();
+        let (min, max) = job.scene.subject();
+        let center = 0.5 * (min + max);
+        let reach = (0.5 * min.distance(max)).max(1e-6);
         let (sin, cos) = self.yaw.sin_cos();
         let (up, along) = self.pitch.sin_cos();
         let back = Vec3::new(along * sin, up, along * cos);
@@ -104,9 +106,9 @@ impl Outside {
         let settings = &job.settings;
         let camera = Camera::new(&settings.camera, settings.width, settings.height).position();
         // A camera that stands not too far outside is to be seen, too.
-        let away = camera.distance(bounds.center) / bounds.radius.max(1e-30);
-        let radius = bounds.radius * if away < FAR { away.max(1.0) } else { 1.0 };
-        let eye = bounds.center + back * (DISTANCE * self.distance * radius);
+        let away = camera.distance(center) / reach;
+        let radius = reach * if away < FAR { away.max(1.0) } else { 1.0 };
+        let eye = center + back * (DISTANCE * self.distance * radius);
         let near = 0.01 * radius;
         // All of it fits the shorter side.
         let scale = 0.5 * rect.size().min_elem() * (DISTANCE * DISTANCE - 1.0).sqrt();

@@ -9,6 +9,7 @@ use neumann_core::integrator::{METHODS, Method};
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::{CancelToken, Inspection, Renderer};
 use neumann_core::scene::Scene;
+use neumann_core::transport::Lobe;
 use neumann_tests::random::Random;
 use neumann_tests::renders::{Setup, pool};
 use neumann_tests::scenes::builtin;
@@ -137,6 +138,9 @@ fn kinds_of_paths_add_up() {
                     .filter(|kind| kind.matches(way.bounces, way.emitter))
                     .count();
                 assert_eq!(n, 1, "{id}: {way:?}");
+                // Walls and floor let no light through, also where two parts are joined.
+                let mut diffuse = way.bounces.iter().filter(|b| b.lobe == Lobe::Diffuse);
+                assert!(diffuse.all(|b| !b.is_transmission), "{id}: {way:?}");
             }
         }
     }

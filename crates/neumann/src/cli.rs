@@ -321,13 +321,13 @@ pub(crate) struct ReplayArguments {
 /// Arguments of `inspect`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Says in a sentence where the light of a pixel comes from, then its value for each \
-    bounce and each technique with an interval that holds the truth 95 times of 100, how much single \
-    iterations bring, by which ways light comes, and the paths that bring most.\n\n\
-    A light path expression (--only) picks ways and paths: L is the light and E the eye; D, G and S \
-    are diffuse, glossy and specular bounces (Dr, Dt: reflected, transmitted only), R and T any \
-    reflection or transmission, . any bounce, 'name' one at a material; * + ? {2,5} say how often, \
-    [DG], [^S], | and ( ) what else may be.\n\n\
+    after_help = "Says in a sentence where the light of a pixel comes from, then its value for \
+    each bounce and each technique with an interval that holds the truth 95 times of 100, how much \
+    single iterations bring, by which ways light comes, and the paths that bring most.\n\n\
+    A light path expression (--only) picks ways and paths: L is the light and E the eye; D, G and \
+    S are diffuse, glossy and specular bounces (Dr, Dt: reflected, transmitted only), R and T any \
+    reflection or transmission, . any bounce, 'name' one at a material; * + ? {2,5} say how \
+    often, [DG], [^S], | and ( ) what else may be.\n\n\
     Examples:\n  \
     neumann inspect cornell --pixel 256,400\n  \
     neumann inspect cornell-glass --pixel 200,420 --integrator bdpt --only LS+DE\n  \

@@ -227,11 +227,13 @@ impl Shown<'_> {
             .samples()
             .map(|bin| json!({"from": bin.range[0], "to": bin.range[1], "n": bin.n}));
         let ways = self.ways();
+        let name = |index| inspection::material(self.scene, index);
         let ways = ways.iter().take(arguments.list as usize).map(|way| {
+            let materials = way.bounces.iter().map(|bounce| name(bounce.material));
             json!({
                 "way": inspection::way(way.bounces),
-                "materials": way.bounces.iter().map(|b| inspection::material(self.scene, b.material)).collect::<Vec<_>>(),
-                "emitter": inspection::material(self.scene, way.emitter),
+                "materials": materials.collect::<Vec<_>>(),
+                "emitter": name(way.emitter),
                 "share": self.share_of(way.luminance),
                 "paths": way.n_paths,
             })

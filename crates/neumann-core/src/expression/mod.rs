@@ -12,10 +12,12 @@
 //! | `'red wall'`, `S'glass'` | scattered by a material of this name, by its specular lobe |
 //! | `L'lamp'`, `L'environment'` | light from a material of this name, or from the environment |
 //! | `X*`, `X+`, `X?`, `X{2}`, `X{2,5}`, `X{2,}` | so often |
-//! | `[DG]`, `[^S]`, <code>X&#124;Y</code>, `(X Y)` | one of these, none of these, one or the other |
+//! | `[DG]`, `[^S]` | one of these, none of these |
+//! | <code>X&#124;Y</code>, `(X Y)` | one or the other, taken as one |
 //!
-//! Spaces mean nothing, but that the name of a light or of a lobe's material follows without one. An expression begins with `L` and ends with `E`, or the other way round: it
-//! is read from where it begins, and several may stand side by side with `|` between them.
+//! Spaces mean nothing, but that the name of a light, or of a lobe's material, follows without one.
+//! An expression begins with `L` and ends with `E`, or the other way round. It is read from where
+//! it begins; several may stand side by side with `|` between them.
 
 mod automaton;
 mod parse;

@@ -81,22 +81,23 @@ pub(super) fn show(ui: &mut Ui, session: &mut Session, views: &Views, shell: &mu
 
 /// A button for each view that this method and scene can be shown by.
 fn view_buttons(ui: &mut Ui, setup: &Setup, views: &Views, shell: &mut Shell) {
-    for row in VIEWS.iter().filter(|row| row.page == Page::Method) {
-        if (row.refusal)(setup).is_some() {
-            continue;
+    let of_page = VIEWS.iter().filter(|row| row.page == Page::Method);
+    let shown = of_page.filter(|row| (row.refusal)(setup).is_none());
+    ui.add_space(GRID);
+    ui.horizontal_wrapped(|ui| {
+        for row in shown {
+            let (name, about) = if views.shown().id == row.id {
+                ("Show picture", "Goes back to the picture.")
+            } else {
+                (row.title, row.about)
+            };
+            let key = row.key.as_ref().map(|line| format!(" ({})", line.keys));
+            let about = format!("{about}{}", key.unwrap_or_default());
+            if button(ui, name).on_hover_text(about).clicked() {
+                shell.act(ui.ctx(), Action::View(row.id));
+            }
         }
-        ui.add_space(GRID);
-        let (name, about) = if views.shown().id == row.id {
-            ("Show picture", "Goes back to the picture.")
-        } else {
-            (row.title, row.about)
-        };
-        let key = row.key.as_ref().map(|line| format!(" ({})", line.keys));
-        let about = format!("{about}{}", key.unwrap_or_default());
-        if button(ui, name).on_hover_text(about).clicked() {
-            shell.act(ui.ctx(), Action::View(row.id));
-        }
-    }
+    });
 }
 
 fn run(ui: &mut Ui, setup: &mut Setup, link: &mut RenderLink) {

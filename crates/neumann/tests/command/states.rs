@@ -87,7 +87,8 @@ fn a_state_is_drawn_and_what_nobody_knows_in_it_is_told() {
 fn a_rendered_picture_has_its_state() {
     let folder = Folder::new();
     let line = "render cornell -o a.exr --integrator pt-nee --eye 0,2,7 --target 0.1,2.5,0 \
-                --fov 40 --size 24x16 --region 2,3,8,6 --iterations 1 --env sun --env-intensity 2 --max-bounces 3";
+                --fov 40 --size 24x16 --region 2,3,8,6 --iterations 1 \
+                --env sun --env-intensity 2 --max-bounces 3";
     assert!(folder.run(line).status.success());
     let (state, warnings) = State::read(&folder.join("a.exr")).unwrap();
     assert_eq!(warnings, Vec::<String>::new());

@@ -88,7 +88,7 @@ pub fn sentence(inspection: &Inspection, scene: &Scene) -> String {
         .max_by(|(_, a), (_, b)| a.total_cmp(b));
     let (bounce, luminance) = brightest.unwrap_or((0, total));
     let arrives = match bounce {
-        0 => "comes straight from a light".to_owned(),
+        0 => format!("comes straight from {}", source(inspection, scene)),
         1 => "arrives after one bounce".to_owned(),
         n => format!("arrives after {} bounces", number(n)),
     };
@@ -109,6 +109,18 @@ pub fn sentence(inspection: &Inspection, scene: &Scene) -> String {
         share => percent(share),
     };
     format!("{share} of this pixel {arrives}{by}{largest}.")
+}
+
+/// What emits most of the light that is seen itself.
+fn source(inspection: &Inspection, scene: &Scene) -> String {
+    let ways = inspection.ways();
+    let brightest = ways.iter().find(|way| way.bounces.is_empty());
+    match brightest.map(|way| way.emitter) {
+        Some(None) => "the surroundings".to_owned(),
+        Some(emitter) => material(scene, emitter)
+            .map_or_else(|| "a light".to_owned(), |name| format!("'{name}'")),
+        None => "a light".to_owned(),
+    }
 }
 
 /// The material that most of the light of a bounce is scattered by before it comes to what is seen

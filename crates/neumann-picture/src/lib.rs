@@ -6,12 +6,15 @@
 //! picture back; [`compare`] measures how far two are apart, and [`race`] does so for methods at
 //! equal time; [`photons`] colours photons, [`quantity`] what a pixel holds beside radiance;
 //! [`histogram`] counts how bright they are; [`inspection`] says by which paths light came to one;
-//! [`sheet`] lays out the series; [`figures`] writes numbers; [`state`] keeps all that a person has
+//! [`energy`] says what the terms are worth; [`axis`] is one of a chart; [`sheet`] lays out the
+//! series; [`figures`] writes numbers; [`state`] keeps all that a person has
 //! chosen.
 //!
 //! Knows no window and no terminal.
 
+pub mod axis;
 pub mod compare;
+pub mod energy;
 mod error;
 pub mod exr_file;
 pub mod false_colour;

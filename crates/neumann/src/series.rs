@@ -1,16 +1,19 @@
 //! `neumann series`: every term and every partial sum, and all of them on one sheet.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use neumann_core::film::{Features, Film, View};
 use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
+use neumann_picture::energy::Energy;
 use neumann_picture::exr_file::{Metadata, Precision, write_image_exr};
-use neumann_picture::files::check_destination;
+use neumann_picture::files::{check_destination, write_atomically};
 use neumann_picture::png_file::{Pixels8, write_png};
 use neumann_picture::sheet::{SheetInfo, sheet};
 use neumann_picture::tone::Display;
+use serde_json::{Value, json};
 
 use crate::cli::SeriesArguments;
 use crate::console;
@@ -29,8 +32,11 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
         .map(|name| arguments.folder.join(name))
         .collect::<Vec<_>>();
     outputs::check(&outputs)?;
+    let table = arguments.folder.join(ENERGY);
+    check_destination(&table).or_bad_input()?;
     let inputs = arguments.settings.inputs(&arguments.scene, &scene);
     outputs::refuse_inputs(&outputs, &inputs)?;
+    outputs::refuse_inputs(&[table], &inputs)?;
     outputs::check_space(&outputs[..1], &settings)?;
     let state = arguments
         .settings
@@ -67,9 +73,22 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
     let display = arguments.display.display(|| rendered.film.total());
     let outputs = write(&arguments.folder, &rendered, display)?;
     console::note(&summary(&rendered));
+    console::note(&energy(&rendered).sentence());
     if arguments.json {
         let mut value = report(&rendered, &outputs);
+        let energy = energy(&rendered);
         value["energy_shares"] = rendered.film.energy_shares().into();
+        let errors = energy.terms.iter().map(|term| term.error);
+        value["energy_errors"] = errors.collect::<Vec<_>>().into();
+        value["decay"] = energy.decay.map_or(Value::Null, |decay| {
+            json!({
+                "ratio": decay.ratio[0],
+                "error": decay.ratio[1],
+                "terms": [decay.first, decay.last],
+                "beyond": decay.beyond.map(|beyond| beyond[0]),
+                "beyond_error": decay.beyond.map(|beyond| beyond[1]),
+            })
+        });
         console::json(&value)?;
     }
     completeness(&rendered)
@@ -77,6 +96,8 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
 
 /// The file that holds all layers.
 const CHECKPOINT: &str = "L.exr";
+/// What the terms are worth.
+const ENERGY: &str = "energy.csv";
 /// The file that shows all of them.
 const SHEET: &str = "sheet.png";
 
@@ -126,18 +147,31 @@ pub(crate) fn write(folder: &Path, rendered: &Rendered, display: Display) -> Out
     let info = SheetInfo::of(film, &rendered.metadata, display);
     write_png(&path, &sheet(film, &info))?;
     outputs.push(path);
+    let path = folder.join(ENERGY);
+    let csv = energy(rendered).csv();
+    write_atomically(&path, |writer| Ok(writer.write_all(csv.as_bytes())?))?;
+    outputs.push(path);
     Ok(outputs)
+}
+
+/// What the terms are worth.
+fn energy(rendered: &Rendered) -> Energy {
+    let film = &rendered.film;
+    let max_bounces = rendered.metadata.max_bounces;
+    let (shares, errors) = (film.energy_shares(), film.layer_errors());
+    Energy::of(&shares, &errors, film.n_pixels(), max_bounces)
 }
 
 fn name_of(view: View, extension: &str) -> String {
     format!("{}.{extension}", view.to_string().replace(':', ""))
 }
 
-/// All files of a series, the one that holds all layers first.
+/// All pictures of a series, the one that holds all layers first.
 fn names(n_layers: usize, max_bounces: u32) -> Vec<String> {
     let views = views(n_layers, max_bounces);
     let others = views.iter().filter(|view| **view != View::Total);
-    [CHECKPOINT.to_owned(), SHEET.to_owned()]
+    [CHECKPOINT, SHEET]
+        .map(str::to_owned)
         .into_iter()
         .chain(views.iter().map(|view| name_of(*view, "png")))
         .chain(others.map(|view| name_of(*view, "exr")))

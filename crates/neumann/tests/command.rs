@@ -285,6 +285,24 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
+/// In the furnace each bounce keeps half of the light, exactly.
+#[test]
+fn a_series_tells_how_its_terms_decay() {
+    let folder = Folder::new();
+    let line = "series furnace -o out --size 32x32 --iterations 64 --layers 8 --json";
+    let report: Value = serde_json::from_str(&folder.succeed(line)).unwrap();
+    let number = |name: &str| report["decay"][name].as_f64().unwrap();
+    assert!(
+        (number("ratio") - 0.5).abs() < 3.0 * number("error"),
+        "{report}"
+    );
+    assert!(number("error") < 0.05);
+    // Half of all light is emission, half of the rest is T L_e, and so on up to bounce 16.
+    let beyond = 0.5f64.powi(17);
+    let apart = (number("beyond") - beyond).abs();
+    assert!(apart < 3.0 * number("beyond_error"), "{report}");
+}
+
 #[test]
 fn a_series_has_every_term_and_a_sheet() {
     let folder = Folder::new();
@@ -304,6 +322,7 @@ fn a_series_has_every_term_and_a_sheet() {
         "T0.png",
         "T1.exr",
         "T1.png",
+        "energy.csv",
         "sheet.png",
         "tail.exr",
         "tail.png",
@@ -317,6 +336,9 @@ fn a_series_has_every_term_and_a_sheet() {
     let shares = report["energy_shares"].as_array().unwrap();
     let sum: f64 = shares.iter().map(|s| s.as_f64().unwrap()).sum();
     assert!((sum - 1.0).abs() < 1e-9 && shares.len() == 3);
+    let energy = std::fs::read_to_string(folder.join("out/energy.csv")).unwrap();
+    let first = energy.lines().nth(1).unwrap().split(',').nth(1).unwrap();
+    assert_eq!(first.parse::<f64>().unwrap(), shares[0].as_f64().unwrap());
     let term = read_image(&folder.join("out/T1.exr")).unwrap();
     assert_eq!(term.pixels, folder.film("out/L.exr").film.layers()[1]);
     folder.succeed("series furnace -o out --size 16x16 --iterations 6 --layers 2 --resume");

@@ -9,7 +9,7 @@ mod curve;
 mod entrant;
 mod racer;
 
-pub use chart::{Axis, Chart, Tick, colours};
+pub use chart::{Chart, colours};
 pub use curve::{Measure, Point, seconds_to};
 pub use entrant::Entrant;
 pub use racer::{Racer, next_in_turn};

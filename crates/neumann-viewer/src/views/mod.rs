@@ -9,6 +9,7 @@
 //! its row [`Needs`]. What the film is, and which part of the series is chosen, is not its own: a
 //! *part* (`neumann_core::film::View`) is shown by a *view*.
 
+pub mod energy;
 pub mod inspect;
 pub mod photons;
 pub mod picture;
@@ -45,6 +46,7 @@ pub static VIEWS: &[&Row] = &[
     &photons::ROW,
     &inspect::ROW,
     &race::ROW,
+    &energy::ROW,
 ];
 
 /// Draw calls that a view may make, numbered from 0 on.

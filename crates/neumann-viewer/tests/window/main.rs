@@ -5,6 +5,7 @@
 mod compared;
 mod controls;
 mod edits;
+mod energy;
 mod files;
 mod film;
 mod histogram;

@@ -3,13 +3,14 @@
 //! Rooms, in reading order: [`tone`] and [`false_colour`] take radiance to the screen; [`files`]
 //! writes without ever leaving half a file; [`png_file`] and [`exr_file`] keep pictures, the latter
 //! a whole film with its history, so that a render can be gone on with; [`image_file`] reads any
-//! picture back; [`compare`] measures how far two are apart; [`photons`] colours photons,
-//! [`quantity`] what a pixel holds beside radiance; [`histogram`] counts how bright they are;
-//! [`sheet`] lays out the series; [`figures`] writes numbers; [`state`] keeps all that a person has
-//! chosen.
+//! picture back; [`compare`] measures how far two are apart, [`agreement`] whether that is chance;
+//! [`photons`] colours photons, [`quantity`] what a pixel holds beside radiance; [`histogram`]
+//! counts how bright they are; [`sheet`] lays out the series; [`figures`] writes numbers; [`state`]
+//! keeps all that a person has chosen.
 //!
 //! Knows no window and no terminal.
 
+pub mod agreement;
 pub mod compare;
 mod error;
 pub mod exr_file;

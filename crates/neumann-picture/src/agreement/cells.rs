@@ -89,6 +89,14 @@ impl Cells {
         })
     }
 
+    /// The number of the cell that a cell is a quarter of; `None` for the whole picture.
+    pub(super) fn parent(&self, number: usize) -> Option<usize> {
+        let cell = self.cell(number);
+        let mut around = self.around(cell.x[0], cell.y[0]);
+        around.find(|cell| *cell == number)?;
+        around.next()
+    }
+
     /// Which of `n` parts of a length a pixel is in.
     fn place(&self, i: usize, length: usize, n: usize) -> usize {
         // The last part that begins no later.
@@ -156,6 +164,13 @@ mod tests {
                     assert!((cell.y[0]..cell.y[1]).contains(&y), "{x},{y}: {cell:?}");
                     n_pixels[number] += 1;
                 }
+            }
+            assert_eq!(cells.parent(0), None);
+            for number in 1..cells.len() {
+                let [inner, outer] = [number, cells.parent(number).unwrap()].map(|n| cells.cell(n));
+                assert!(inner.x[0] >= outer.x[0] && inner.x[1] <= outer.x[1]);
+                assert!(inner.y[0] >= outer.y[0] && inner.y[1] <= outer.y[1]);
+                assert!(inner.n_pixels() < outer.n_pixels());
             }
             let sums = cells.sums(|pixel| [1.0, pixel as f32, 0.0]);
             for (number, n) in n_pixels.into_iter().enumerate() {

@@ -130,6 +130,42 @@ fn light_against_none_counts_where_it_is_sure_and_rare_light_is_not_judged() {
     assert!(Agreement::of([&black, &black], 0.01).terms.is_empty());
 }
 
+#[test]
+fn none_in_a_part_of_where_there_is_some_at_times_is_not_judged() {
+    let honest = white(1);
+    let quarter = |x: usize, y: usize| x < SIZE / 2 && y < SIZE / 2;
+    for (is_lit_always, n_judged, n_rare) in [(true, 5, 0), (false, 0, 5)] {
+        let partly = batches(2, |batch, x, y| {
+            let is_lit = !quarter(x, y) && (is_lit_always || batch != 5);
+            if is_lit { Rgb::WHITE } else { Rgb::BLACK }
+        });
+        let term = first_term(&partly, &honest);
+        assert_eq!((term.n_judged(), term.n_rare), (n_judged, n_rare));
+        assert_eq!(term.n_beyond_black, [usize::from(is_lit_always), 0]);
+    }
+}
+
+#[test]
+fn a_pixel_has_the_colour_of_the_smallest_cell_that_is_beyond() {
+    let biased = batches(1, |_, x, y| match (x < SIZE / 2, y < SIZE / 2) {
+        (true, true) => Rgb::splat(1.5),
+        (false, false) => Rgb::splat(0.9),
+        _ => Rgb::WHITE,
+    });
+    let agreement = Agreement::of([&biased, &white(2)], 0.01);
+    let term = &agreement.terms[0];
+    let score = term.whole().unwrap();
+    assert!(score.deviations > agreement.limit, "brighter as a whole");
+    let map = super::map(&agreement, term);
+    let is_orange = |x: usize, y: usize| {
+        let [r, _, b] = map.pixels[y * SIZE + x];
+        assert_ne!(r, b);
+        r > b
+    };
+    assert!(is_orange(2, 3) && !is_orange(12, 13));
+    assert!(is_orange(12, 3), "of the whole, where the quarter is noise");
+}
+
 /// A mean that is low by chance has a low spread, too, where it is made of few contributions.
 #[test]
 fn errors_are_those_of_the_larger_mean() {

@@ -28,18 +28,19 @@ impl Report<'_> {
 
     /// How it was made.
     pub(super) fn heading(&self) -> String {
-        let [a, b] = self.sides;
         let (width, height) = self.agreement.cells.size();
-        let batches = |side: &Side| {
+        let names = self.names();
+        let batches = |i: usize| {
+            let side = &self.sides[i];
             format!(
                 "{} ({} batches of {}, {:.1} s)",
-                side.name,
+                names[i],
                 side.batches.n(),
                 count(side.n_iterations as usize, "iteration"),
                 side.seconds
             )
         };
-        format!("{} against {} · {width}×{height}", batches(a), batches(b))
+        format!("{} against {} · {width}×{height}", batches(0), batches(1))
     }
 
     /// The table, with what it means.

@@ -62,9 +62,15 @@ fn a_method_may_stand_against_itself_and_the_seed_decides() {
     assert_ne!(term(&first), term(&other));
     let means = &term(&first)[2]["mean"];
     assert_ne!(means[0], means[1], "the second has other seeds");
-    let table = folder.succeed("agree furnace pt-mis pt-mis --size 16x16 --time 0.1");
-    assert!(table.contains("pt-mis again"), "{table}");
-    assert!(table.contains("The two agree"), "{table}");
+    // By time, the numbers are others each time.
+    let table = folder
+        .run("agree furnace pt-mis pt-mis --size 16x16 --time 0.1")
+        .stdout;
+    let table = String::from_utf8(table).unwrap();
+    assert!(
+        table.contains("against pt-mis again (32 batches of "),
+        "{table}"
+    );
 }
 
 #[test]

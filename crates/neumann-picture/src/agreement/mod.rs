@@ -55,8 +55,8 @@ pub struct Term {
     pub view: View,
     /// Mean luminance by each method.
     pub means: [f64; 2],
-    /// The standard error of the difference of the means, over their mean.
-    pub relative_error: f64,
+    /// A difference of the means, over the mean of both, that would be just beyond the limit.
+    pub seen_from: f64,
     /// Of each cell, the largest one of its channels; `None` where it is not judged.
     pub scores: Vec<Option<Score>>,
     /// Cells that are not judged, for some batches found no light there.
@@ -196,7 +196,7 @@ impl Pair<'_> {
         };
         let is_black = self.n_lit(cell).map(|n_lit| n_lit == 0);
         let parent = self.batches[0].cells().parent(cell);
-        let around = parent.map_or([false; 2], |parent| is_partly_lit(parent));
+        let around = parent.map_or([false; 2], is_partly_lit);
         let here = is_partly_lit(cell);
         (0..2).any(|i| here[i] || is_black[i] && around[i])
     }
@@ -210,11 +210,11 @@ impl Pair<'_> {
             let [a, b] = self.batches.map(|batches| batches.pixel(self.view, pixel));
             Score::of(a, b, 0).deviations as f32
         });
-        let (means, relative_error) = self.whole();
+        let (means, seen_from) = self.whole(limit);
         Term {
             view,
             means,
-            relative_error,
+            seen_from,
             n_rare: (0..scores.len()).filter(|cell| self.is_rare(*cell)).count(),
             n_beyond: beyond.len(),
             n_beyond_black: [0, 1].map(|i| beyond.iter().filter(|lit| lit[i] == 0).count()),
@@ -223,17 +223,41 @@ impl Pair<'_> {
         }
     }
 
-    /// Mean luminance by each method, and the error of the difference over the mean of both. The
+    /// Mean luminance by each method, and the relative difference that would be at the limit. The
     /// errors of the channels are taken to move together, which is the safe side.
-    fn whole(&self) -> ([f64; 2], f64) {
+    fn whole(&self, limit: f64) -> ([f64; 2], f64) {
         let luminance = |value: &dyn Fn(usize) -> f64| {
             let [r, g, b] = [0, 1, 2].map(value).map(|v| v as f32);
             f64::from(Rgb::new(r, g, b).luminance())
         };
-        let of = |i: usize, channel| self.batches[i].estimate(self.view, 0, channel);
-        let means = [0, 1].map(|i| luminance(&|channel| of(i, channel).mean));
-        let errors = [0, 1].map(|i| luminance(&|channel| of(i, channel).standard_error));
-        let error = errors[0].hypot(errors[1]);
-        (means, error / (0.5 * (means[0] + means[1])))
+        let estimates = [0, 1].map(|i| {
+            let of = |channel| self.batches[i].estimate(self.view, 0, channel);
+            Estimate {
+                mean: luminance(&|channel| of(channel).mean),
+                standard_error: luminance(&|channel| of(channel).standard_error),
+                n: self.batches[i].n(),
+            }
+        });
+        let means = estimates.map(|estimate| estimate.mean);
+        let middle = 0.5 * (means[0] + means[1]);
+        let [a, b] = estimates.map(|estimate| Estimate {
+            mean: middle,
+            ..estimate
+        });
+        let is_seen = |difference: f64| {
+            let mean = middle * (1.0 + difference);
+            Score::of(Estimate { mean, ..a }, b, 0).is_beyond(limit)
+        };
+        // Between nothing and what is seen in any case, by bisection.
+        let (mut below, mut above) = (0.0, 1e3);
+        for _ in 0..50 {
+            let between = 0.5 * (below + above);
+            if is_seen(between) {
+                above = between;
+            } else {
+                below = between;
+            }
+        }
+        (means, above)
     }
 }

@@ -67,6 +67,22 @@ fn noise_is_none_and_a_small_bias_is_one_with_its_sign() {
 }
 
 #[test]
+fn what_can_be_seen_is_told() {
+    let agreement = Agreement::of([&white(1), &white(2)], 0.01);
+    let seen_from = f64::from(agreement.terms[0].seen_from as f32);
+    assert!((1e-4..0.01).contains(&seen_from), "{seen_from}");
+    let is_seen = |factor: f64| {
+        let from = agreement.terms[0].means[1] / agreement.terms[0].means[0];
+        let brighter = batches(1, |_, _, _| {
+            Rgb::splat((from * (1.0 + factor * seen_from)) as f32)
+        });
+        let score = first_term(&brighter, &white(2)).whole().unwrap();
+        score.is_beyond(agreement.limit)
+    };
+    assert!(is_seen(1.05) && !is_seen(0.95), "{seen_from}");
+}
+
+#[test]
 fn the_limit_grows_with_the_number_of_scores_and_falls_with_the_level() {
     let (a, b) = (white(1), white(2));
     let limit = |level| Agreement::of([&a, &b], level).limit;

@@ -56,14 +56,13 @@ impl Report<'_> {
         ));
         for term in &self.agreement.terms {
             let mean = |i: usize| pad(&significant(term.means[i], 5), widths[i]);
-            let seen_from = self.agreement.limit * term.relative_error;
             lines.push(format!(
                 "{:<4}  {}  {}  {:<8}  {:<9}  {:<7}  {:<7}  {} of {}",
                 term.view.to_string(),
                 mean(0),
                 mean(1),
                 ratio(term).map_or_else(|| "–".to_owned(), |ratio| format!("{ratio:.5}")),
-                format!("{} %", significant(100.0 * seen_from, 2)),
+                format!("{} %", significant(100.0 * term.seen_from, 2)),
                 deviations(term.whole()),
                 deviations(term.largest().map(|(_, score)| score)),
                 term.n_beyond,
@@ -194,7 +193,7 @@ impl Report<'_> {
                 "term": term.view.to_string(),
                 "mean": term.means,
                 "ratio": ratio(term),
-                "seen_from": agreement.limit * term.relative_error,
+                "seen_from": term.seen_from,
                 "score": term.whole().map(|score| score.deviations),
                 "largest": term.largest().map(|(cell, score)| {
                     let cell = agreement.cells.cell(cell);

@@ -3,6 +3,7 @@
 mod adaptive;
 mod adjoint;
 mod agreement;
+mod agreement_map;
 mod backs;
 mod cameras;
 mod determinism;

@@ -1,11 +1,12 @@
-//! Is a difference chance? Chi-square, Student's and Welch's tests, and the
-//! correction for asking many questions at once.
+//! Is a difference chance? The chi-square test, and the correction for asking many questions at
+//! once. Student's and Welch's tests are those of [`Estimate`].
 //!
 //! A p-value is the probability of a deviation at least as large if the program is right.
 //! A [`Family`] of tests fails if any p-value is below [`SIGNIFICANCE`] after Holm's
 //! correction, so the chance of a false alarm is that for the whole family, not per test.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+pub use neumann_picture::agreement::Estimate;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Probability of a false alarm in a whole family of tests.
 pub const SIGNIFICANCE: f64 = 1e-4;
@@ -77,69 +78,6 @@ pub fn chi_square(observed: &[f64], expected: &[f64]) -> ChiSquare {
     }
 }
 
-/// A mean with its standard error, from independent values.
-#[derive(Clone, Copy, Debug)]
-pub struct Estimate {
-    /// The mean.
-    pub mean: f64,
-    /// Its standard error.
-    pub standard_error: f64,
-    /// Number of values.
-    pub n: usize,
-}
-
-impl Estimate {
-    /// From independent values, at least two.
-    #[must_use]
-    pub fn of(values: &[f64]) -> Self {
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
-        Self {
-            mean,
-            standard_error: (squares / (n - 1.0) / n).sqrt(),
-            n: values.len(),
-        }
-    }
-
-    /// Student's test of the mean against a known value. `rounding`, relative, is what
-    /// single precision may add to the standard error.
-    #[must_use]
-    pub fn p_value(&self, expected: f64, rounding: f64) -> f64 {
-        let error = self.standard_error.hypot(rounding * expected.abs());
-        student(self.mean - expected, error, self.n as f64 - 1.0)
-    }
-
-    /// Welch's test: do two means differ though their variances may?
-    #[must_use]
-    pub fn p_value_against(&self, other: &Self, rounding: f64) -> f64 {
-        let (a, b) = (self.standard_error.powi(2), other.standard_error.powi(2));
-        let spread = a + b;
-        let freedom = if spread > 0.0 {
-            spread * spread / (a * a / (self.n as f64 - 1.0) + b * b / (other.n as f64 - 1.0))
-        } else {
-            1e6
-        };
-        let error = spread.sqrt().hypot(rounding * self.mean.abs());
-        student(self.mean - other.mean, error, freedom)
-    }
-}
-
-/// Two-sided p-value of a difference with the given standard error.
-fn student(difference: f64, error: f64, freedom: f64) -> f64 {
-    if difference == 0.0 {
-        return 1.0;
-    }
-    if error == 0.0 || !difference.is_finite() {
-        return 0.0;
-    }
-    let t = (difference / error).abs();
-    match StudentsT::new(0.0, 1.0, freedom) {
-        Ok(distribution) => 2.0 * distribution.sf(t),
-        Err(_) => 0.0,
-    }
-}
-
 /// Many tests judged together.
 #[derive(Clone, Debug, Default)]
 pub struct Family {
@@ -204,20 +142,40 @@ impl Family {
 
 #[cfg(test)]
 mod tests {
-    use super::{Estimate, Family, chi_square};
+    use neumann_picture::agreement::{deviations, two_sided};
+    use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+    use super::{Family, chi_square};
 
     #[test]
     fn tails_agree_with_tables() {
-        // Quantiles: chi-square 18.307 with 10 degrees of freedom, Student 2.228 with 10.
+        // The quantile of chi-square is 18.307 with 10 degrees of freedom.
         let observed: Vec<f64> = (0..11)
             .map(|i| if i == 0 { 140.79 } else { 95.921 })
             .collect();
         let result = chi_square(&observed, &[100.0; 11]);
         assert!((result.statistic - 18.3).abs() < 0.1 && (result.p_value - 0.05).abs() < 0.002);
-        let values: Vec<f64> = (0..11).map(|i| f64::from(i) - 5.0).collect();
-        let estimate = Estimate::of(&values);
-        let p = estimate.p_value(2.228 * estimate.standard_error, 0.0);
-        assert!((p - 0.05).abs() < 1e-3, "{p}");
+    }
+
+    /// Those of the program are of its own making.
+    #[test]
+    fn tails_are_those_of_others() {
+        for freedom in [1.0, 2.5, 7.0, 30.0, 61.3, 500.0, 1e6] {
+            let others = StudentsT::new(0.0, 1.0, freedom).unwrap();
+            for t in [1e-6, 0.1, 0.9, 2.0, 5.0, 9.0, 40.0] {
+                let (ours, theirs) = (two_sided(t, freedom), 2.0 * others.sf(t));
+                let apart = (ours - theirs).abs();
+                assert!(
+                    apart < 1e-6 * theirs + 1e-300,
+                    "{t}, {freedom}: {ours} {theirs}"
+                );
+            }
+        }
+        let normal = Normal::new(0.0, 1.0).unwrap();
+        for z in [0.01, 1.0, 1.9, 2.1, 6.0, 30.0] {
+            let found = deviations(2.0 * normal.sf(z));
+            assert!((found - z).abs() < 1e-6 * z, "{z}: {found}");
+        }
     }
 
     #[test]

@@ -21,6 +21,16 @@ impl fmt::Display for BadInput {
 
 impl std::error::Error for BadInput {}
 
+/// Marks an answer that is no, given in full on stdout: exit code 1, and nothing more to say.
+#[derive(Debug, thiserror::Error)]
+#[error("no")]
+struct AnswersNo;
+
+/// An answer that is no.
+pub(crate) fn answers_no() -> anyhow::Error {
+    AnswersNo.into()
+}
+
 /// Marks errors as the user's to mend.
 pub(crate) trait OrBadInput<T> {
     /// Makes the error one of wrong usage or bad input.
@@ -49,6 +59,9 @@ pub(crate) fn exit_code(result: Outcome) -> ExitCode {
     if is_closed_pipe {
         // Whoever read the results has had enough of them.
         return ExitCode::SUCCESS;
+    }
+    if error.is::<AnswersNo>() {
+        return ExitCode::from(1);
     }
     console::note(&format!("error: {}", one_line(&format!("{error:#}"))));
     ExitCode::from(if error.is::<BadInput>() { 2 } else { 1 })

@@ -3,8 +3,9 @@
 //! [`cli`] says what can be typed; each subcommand has a file of its own;
 //! [`options`] turns what was typed into a scene and settings; [`session`] renders;
 //! [`outputs`] writes. Results go to stdout, everything else to stderr.
-//! Exit code 0: done. 1: failed while working. 2: wrong usage or bad input.
+//! Exit code 0: done. 1: failed while working, or methods that disagree. 2: wrong usage or bad input.
 
+mod agree;
 mod cli;
 mod compare;
 mod completions;
@@ -56,6 +57,7 @@ fn main() -> ExitCode {
         Some(Command::Inspect(arguments)) => inspect::run(&arguments),
         Some(Command::Series(arguments)) => series::run(&arguments),
         Some(Command::Race(arguments)) => race::run(&arguments),
+        Some(Command::Agree(arguments)) => agree::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::List(arguments)) => list::run(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),

@@ -27,7 +27,7 @@ use crate::progress::while_waiting;
 use crate::session::Shard;
 use crate::suggest::check_scene;
 
-pub(crate) use parse::{bytes, pixel, positive, region, size, technique, whole};
+pub(crate) use parse::{bytes, pixel, positive, probability, region, size, technique, whole};
 
 /// Highest power of T where nothing else is asked for.
 const DEFAULT_MAX_BOUNCES: u32 = 16;

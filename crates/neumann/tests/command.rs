@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 #![allow(clippy::print_stderr, reason = "a test says what it leaves out")]
 
+#[path = "command/agree.rs"]
+mod agree;
 #[path = "command/backs.rs"]
 mod backs;
 #[path = "command/continued.rs"]

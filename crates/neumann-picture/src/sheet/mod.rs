@@ -4,6 +4,7 @@
 //! energy (of the mean luminance of L). All of them are shown with the same exposure,
 //! on a ground without hue, so that they can be compared by eye.
 
+mod agreement;
 mod canvas;
 mod curves;
 mod label;
@@ -23,6 +24,7 @@ use canvas::{Canvas, Rect, Thumbnail};
 use label::percent;
 use text::{Align, Face, Style, Typesetter};
 
+pub use agreement::{AgreementSheet, agreement_sheet};
 pub use label::formula;
 pub use photons::photon_sheet;
 pub use picture::{PictureSheet, Scale, Stroke, Wipe, picture_sheet};

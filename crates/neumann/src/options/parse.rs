@@ -127,6 +127,11 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     number(text, "use a number above 0", |v| v > 0.0)
 }
 
+/// A probability that is neither 0 nor 1.
+pub(crate) fn probability(text: &str) -> Result<f64, String> {
+    number(text, "use a number between 0 and 1", |v| v > 0.0 && v < 1.0)
+}
+
 /// A number above zero, single precision.
 pub(crate) fn positive_single(text: &str) -> Result<f32, String> {
     number(text, "use a number above 0", |v| v > 0.0)

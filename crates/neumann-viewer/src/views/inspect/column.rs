@@ -397,6 +397,7 @@ fn vertices(ui: &mut Ui, path: &Replayed, job: &Job, looked_at: usize) {
         ui,
         &format!("luminance {} without its weight", number(unweighted)),
     );
+    paragraph(ui, &inspection::rarity(path, &job.scene));
     let n_eye = path.camera.len();
     let hues = hues(&Palette::of(ui));
     for (i, vertex) in path.vertices().into_iter().enumerate() {

@@ -7,13 +7,12 @@ mod report;
 
 use std::sync::Arc;
 
-use cpu_time::ProcessTime;
 use neumann_core::film::Film;
 use neumann_core::render::{CancelToken, RenderSettings, Renderer, WorkerPool};
 use neumann_core::scene::Scene;
 use neumann_picture::agreement::{Agreement, Batches};
 use neumann_picture::png_file::write_png;
-use neumann_picture::race::Entrant;
+use neumann_picture::race::{Entrant, processor_time};
 use neumann_picture::sheet::{AgreementSheet, agreement_sheet};
 
 use crate::cli::AgreeArguments;
@@ -140,7 +139,7 @@ impl Side {
             seed,
             ..self.settings.clone()
         };
-        let start = ProcessTime::now();
+        let start = processor_time(pool);
         let mut film = Film::new(settings.width, settings.height, settings.n_layers);
         let mut renderer = Renderer::new(Arc::clone(scene), settings, pool.clone(), 0);
         loop {
@@ -153,7 +152,7 @@ impl Side {
                 Length::Iterations(wanted) => n >= wanted,
                 // One more would end further from it.
                 Length::Seconds(wanted) => {
-                    let seconds = start.elapsed().as_secs_f64();
+                    let seconds = processor_time(pool) - start;
                     seconds * (1.0 + 0.5 / f64::from(n)) >= wanted
                 }
             };
@@ -161,7 +160,7 @@ impl Side {
                 break;
             }
         }
-        self.seconds += start.elapsed().as_secs_f64();
+        self.seconds += processor_time(pool) - start;
         self.n_iterations = film.n_iterations();
         self.batches.take(&film);
         Ok(())

@@ -12,7 +12,7 @@ mod racer;
 pub use chart::{Chart, colours};
 pub use curve::{Measure, Point, seconds_to};
 pub use entrant::Entrant;
-pub use racer::{Racer, next_in_turn};
+pub use racer::{Racer, next_in_turn, processor_time};
 
 /// What renders a reference: unbiased, and as good at caustics as at direct light.
 pub const REFERENCE_METHOD: &str = "bdpt";

@@ -144,7 +144,8 @@ pub fn next_in_turn(racers: &[Racer], time: f64) -> Option<usize> {
 
 /// Processor time of the threads of a pool, seconds. What else the process does, such as drawing
 /// a window, is no part of it.
-fn processor_time(pool: &WorkerPool) -> f64 {
+#[must_use]
+pub fn processor_time(pool: &WorkerPool) -> f64 {
     let times = pool.on_each(|| ThreadTime::now().as_duration());
     times.iter().map(std::time::Duration::as_secs_f64).sum()
 }

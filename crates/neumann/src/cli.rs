@@ -1,5 +1,10 @@
 //! What can be typed.
 
+mod agree;
+mod inspect;
+mod race;
+mod replay;
+
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -13,6 +18,11 @@ use crate::options::{
     DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, photon_colours, positive, region,
     size, whole,
 };
+
+pub(crate) use agree::AgreeArguments;
+pub(crate) use inspect::InspectArguments;
+pub(crate) use race::RaceArguments;
+pub(crate) use replay::ReplayArguments;
 
 /// The whole command line.
 #[derive(Debug, Parser)]
@@ -282,121 +292,6 @@ pub(crate) struct RenderArguments {
     pub(crate) json: bool,
 }
 
-/// Arguments of `replay`.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "One line for each contribution: its bounce, its technique (s vertices from the \
-    light, t from the camera), its value, its MIS weight, and its path from the eye E to the light \
-    L: D diffuse, G glossy, S specular, with t where light passes through; - a connection, = a \
-    merge. Their sum is what the iteration has at the pixel.\n\n\
-    Examples:\n  \
-    neumann replay cornell --pixel 256,400\n  \
-    neumann replay cornell-glass --size 64x64 --pixel 40,50 --integrator bdpt --iteration 7\n  \
-    neumann replay lamps --size 64x64 --pixel 20,30 --integrator vcm --json"
-)]
-pub(crate) struct ReplayArguments {
-    /// A .gltf or .glb file, or the name of a built-in scene
-    pub(crate) scene: String,
-    /// Column and row of the pixel, from 0; 0,0 is on the top left
-    #[arg(
-        long,
-        value_name = "X,Y",
-        value_parser = crate::options::pixel,
-        allow_hyphen_values = true
-    )]
-    pub(crate) pixel: [u32; 2],
-    /// Number of the iteration
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 0,
-        value_parser = whole(0..=u32::MAX - 1),
-        allow_hyphen_values = true
-    )]
-    pub(crate) iteration: u32,
-    #[command(flatten)]
-    pub(crate) settings: SettingsOptions,
-    /// Print everything that is known of each path as JSON
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// Arguments of `inspect`.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "Says in a sentence where the light of a pixel comes from, then its value for \
-    each bounce and each technique with an interval that holds the truth 95 times of 100, how much \
-    single iterations bring, by which ways light comes, and the paths that bring most.\n\n\
-    A light path expression (--only) picks ways and paths: L is the light and E the eye; D, G and \
-    S are diffuse, glossy and specular bounces (Dr, Dt: reflected, transmitted only), R and T any \
-    reflection or transmission, . any bounce, 'name' one at a material; * + ? {2,5} say how \
-    often, [DG], [^S], | and ( ) what else may be.\n\n\
-    Examples:\n  \
-    neumann inspect cornell --pixel 256,400\n  \
-    neumann inspect cornell-glass --pixel 200,420 --integrator bdpt --only LS+DE\n  \
-    neumann inspect pool --size 96x96 --pixel 40,60 --integrator vcm --bounce 3 --json\n  \
-    neumann inspect pool --size 96x96 --fireflies 5"
-)]
-pub(crate) struct InspectArguments {
-    /// A .gltf or .glb file, or the name of a built-in scene
-    pub(crate) scene: String,
-    /// Column and row of the pixel, from 0; 0,0 is on the top left
-    #[arg(
-        long,
-        value_name = "X,Y",
-        value_parser = crate::options::pixel,
-        allow_hyphen_values = true,
-        required_unless_present = "fireflies"
-    )]
-    pub(crate) pixel: Option<[u32; 2]>,
-    /// Find the N pixels that stand out most and say which paths have made them
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = whole(1..=256),
-        allow_hyphen_values = true,
-        conflicts_with_all = ["pixel", "bounce", "technique", "only", "list"]
-    )]
-    pub(crate) fireflies: Option<u32>,
-    /// Iterations to look at, from number 0 on
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 64,
-        value_parser = whole(1..=1_000_000),
-        allow_hyphen_values = true
-    )]
-    pub(crate) iterations: u32,
-    /// List only ways and paths of this bounce
-    #[arg(
-        long,
-        value_name = "K",
-        value_parser = whole(0..=u32::MAX - 1),
-        allow_hyphen_values = true
-    )]
-    pub(crate) bounce: Option<u32>,
-    /// List only paths of this technique
-    #[arg(long, value_name = "S,T", value_parser = crate::options::technique)]
-    pub(crate) technique: Option<[u16; 2]>,
-    /// List only ways and paths of this kind: a light path expression
-    #[arg(long, value_name = "EXPRESSION")]
-    pub(crate) only: Option<String>,
-    /// List so many ways and so many paths, at most
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 10,
-        value_parser = whole(0..=1024),
-        allow_hyphen_values = true
-    )]
-    pub(crate) list: u32,
-    #[command(flatten)]
-    pub(crate) settings: SettingsOptions,
-    /// Print everything that is known as JSON
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
 /// Arguments of `series`.
 #[derive(Debug, Args)]
 #[command(
@@ -422,124 +317,6 @@ pub(crate) struct SeriesArguments {
     #[arg(long)]
     pub(crate) resume: bool,
     /// End with one JSON object on stdout
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// Arguments of `race`.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "A method takes parameters behind a colon: pt-mis:roulette=off,casters=off. Each \
-    in turn has all threads; what counts is their processor time while it renders. The \
-    reference is rendered by bdpt for four times as long, and kept beside the sheet.\n\n\
-    Examples:\n  \
-    neumann race cornell pt-nee pt-mis bdpt --time 10 -o race.png\n  \
-    neumann race plates pt-bsdf pt-nee pt-mis --size 384x256 --time 5 -o veach.png --csv veach.csv",
-    mut_arg("integrator", |a| a.hide(true)),
-    mut_arg("set", |a| a.hide(true))
-)]
-pub(crate) struct RaceArguments {
-    /// A .gltf or .glb file, or the name of a built-in scene
-    pub(crate) scene: String,
-    /// Two to four methods ('neumann list integrators')
-    #[arg(num_args = 2..=4, required = true, value_name = "METHOD")]
-    pub(crate) methods: Vec<String>,
-    /// Processor time of each method, seconds
-    #[arg(
-        long,
-        value_name = "S",
-        default_value_t = 10.0,
-        value_parser = crate::options::positive,
-        allow_hyphen_values = true
-    )]
-    pub(crate) time: f64,
-    /// The sheet: all pictures in a row, with their errors and curves (.png)
-    #[arg(short = 'o', long = "output", value_name = "FILE")]
-    pub(crate) output: PathBuf,
-    /// Errors over time: a line for each time at which they were measured
-    #[arg(long, value_name = "FILE")]
-    pub(crate) csv: Option<PathBuf>,
-    /// Compare with this picture (.exr, .png or .hdr)
-    #[arg(long, value_name = "FILE")]
-    pub(crate) reference: Option<PathBuf>,
-    /// Write what each method rendered to this folder, all layers (.exr)
-    #[arg(long, value_name = "DIR")]
-    pub(crate) pictures: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) settings: SettingsOptions,
-    #[command(flatten)]
-    pub(crate) display: DisplayOptions,
-    /// Print one JSON array, with the errors over time
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// Arguments of `agree`.
-#[derive(Debug, Args)]
-#[command(
-    after_help = "The methods render batches in turn, each with a seed of its own. In the whole \
-    picture, its quarters, their quarters and so on, the means of the batches are held against \
-    each other for each bounce and channel by Welch's test. A score is their difference in standard \
-    deviations; the limit is that which any of all scores passes by chance with the probability \
-    --level. A method takes parameters behind a colon: pt-mis:roulette=off. A method may stand \
-    against itself.\n\n\
-    On the map noise is grey; orange is where the first method is brighter, blue where it is \
-    darker. Biased methods disagree with good reason, which is printed.\n\n\
-    Exit code 0: they agree. 1: they disagree.\n\n\
-    Examples:\n  \
-    neumann agree cornell pt-mis bdpt --size 64x64 --iterations 2 -o map.png\n  \
-    neumann agree cornell pt-mis pt-mis:roulette=off --size 64x64 --iterations 2 --json",
-    mut_arg("integrator", |a| a.hide(true)),
-    mut_arg("set", |a| a.hide(true))
-)]
-pub(crate) struct AgreeArguments {
-    /// A .gltf or .glb file, or the name of a built-in scene
-    pub(crate) scene: String,
-    /// Two methods ('neumann list integrators')
-    #[arg(num_args = 2, required = true, value_name = "METHOD")]
-    pub(crate) methods: Vec<String>,
-    /// Processor time of each method, seconds
-    #[arg(
-        long,
-        value_name = "S",
-        default_value_t = 20.0,
-        value_parser = crate::options::positive,
-        allow_hyphen_values = true
-    )]
-    pub(crate) time: f64,
-    /// Iterations of each batch, instead of a time
-    #[arg(
-        long,
-        value_name = "N",
-        conflicts_with = "time",
-        value_parser = whole(1..=u32::MAX),
-        allow_hyphen_values = true
-    )]
-    pub(crate) iterations: Option<u32>,
-    /// Batches of each method
-    #[arg(
-        long,
-        value_name = "B",
-        default_value_t = 32,
-        value_parser = whole(8..=4096),
-        allow_hyphen_values = true
-    )]
-    pub(crate) batches: u32,
-    /// Probability of a false alarm, of the whole comparison
-    #[arg(
-        long,
-        value_name = "P",
-        default_value_t = 0.01,
-        value_parser = crate::options::probability,
-        allow_hyphen_values = true
-    )]
-    pub(crate) level: f64,
-    /// The map: a tile for each bounce, for the tail and for L (.png)
-    #[arg(short = 'o', long = "output", value_name = "FILE")]
-    pub(crate) output: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) settings: SettingsOptions,
-    /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
 }

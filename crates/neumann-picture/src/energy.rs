@@ -56,8 +56,8 @@ const WORST: f64 = 0.25;
 const BEST: f64 = 1e-3;
 
 impl Energy {
-    /// From the shares of the layers in L and their relative errors of a pixel, tail last, as a film
-    /// has them.
+    /// From the shares of the layers in L and their relative errors of a pixel, tail last, as a
+    /// film has them.
     #[must_use]
     pub fn of(shares: &[f64], errors: &[Option<f64>], n_pixels: usize, max_bounces: u32) -> Self {
         let n = shares.len().saturating_sub(1);

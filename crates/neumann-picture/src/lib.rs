@@ -1,14 +1,14 @@
 //! Pictures and their files, for the command and for the window.
 //!
-//! Rooms, in reading order: [`tone`] and [`false_colour`] take radiance to the screen; [`files`]
-//! writes without ever leaving half a file; [`png_file`] and [`exr_file`] keep pictures, the latter
-//! a whole film with its history, so that a render can be gone on with; [`image_file`] reads any
-//! picture back; [`compare`] measures how far two are apart, [`agreement`] whether that is chance,
-//! and [`race`] lets methods come near at equal time; [`photons`] colours photons, [`quantity`] what
-//! a pixel holds beside radiance; [`histogram`] counts how bright they are; [`inspection`] says by
-//! which paths light came to one; [`energy`] says what the terms are worth; [`axis`] is one of a
-//! chart; [`sheet`] lays out the series; [`figures`] writes numbers; [`state`] keeps all that a
-//! person has chosen.
+//! Rooms, in reading order: [`tone`] and [`false_colour`] take radiance to the screen;
+//! [`files`] writes without ever leaving half a file; [`png_file`] and [`exr_file`] keep
+//! pictures, the latter a whole film with its history, so that a render can be gone on with;
+//! [`image_file`] reads any picture back; [`compare`] measures how far two are apart,
+//! [`agreement`] whether that is chance, and [`race`] lets methods come near at equal time;
+//! [`photons`] colours photons, [`quantity`] what a pixel holds beside radiance; [`histogram`]
+//! counts how bright they are; [`inspection`] says by which paths light came to one; [`energy`]
+//! says what the terms are worth; [`axis`] is one of a chart; [`sheet`] lays out the series;
+//! [`figures`] writes numbers; [`state`] keeps all that a person has chosen.
 //!
 //! Knows no window and no terminal.
 

@@ -3,7 +3,8 @@
 //! [`cli`] says what can be typed; each subcommand has a file of its own;
 //! [`options`] turns what was typed into a scene and settings; [`session`] renders;
 //! [`outputs`] writes. Results go to stdout, everything else to stderr.
-//! Exit code 0: done. 1: failed while working, or methods that disagree. 2: wrong usage or bad input.
+//! Exit code 0: done. 1: failed while working, or methods that disagree. 2: wrong usage or bad
+//! input.
 
 mod agree;
 mod cli;

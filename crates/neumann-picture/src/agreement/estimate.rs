@@ -1,9 +1,9 @@
 //! Do two means differ beyond chance? Student's and Welch's tests.
 //!
 //! A p-value is the probability of a difference at least as large if there is none in truth. With
-//! ν degrees of freedom that of `|t|` is `I_x(ν/2, 1/2)`, `x = ν / (ν + t²)`, with I the regularized
-//! incomplete beta function (Abramowitz and Stegun, 26.7.1), here by its continued fraction
-//! (DLMF 8.17.22).
+//! ν degrees of freedom that of `|t|` is `I_x(ν/2, 1/2)`, `x = ν / (ν + t²)`, with I the
+//! regularized incomplete beta function (Abramowitz and Stegun, 26.7.1), here by its continued
+//! fraction (DLMF 8.17.22).
 
 use std::f64::consts::PI;
 

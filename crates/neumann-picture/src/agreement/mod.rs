@@ -9,8 +9,9 @@
 //! The test wants means of batches that are nearly normal, and light that comes seldom makes them
 //! skew: most often they are too low, and so is their spread. Three things hold against that. No
 //! cell is smaller than 8×8 pixels. Cells are judged only where both methods find light in every
-//! batch, or one of them never does ([`Term::n_rare`] counts the others). And the relative error of each mean is taken at the larger of
-//! the two.
+//! batch, or one of them never does ([`Term::n_rare`] counts the others). And the relative error of
+//! each mean is taken at the larger of the two.
+//!
 //! On `cornell` at 32×32 pixels, with 64 samples a pixel, that brought false alarms between
 //! `pt-mis` and `bdpt` from 27 of 100 runs to none at a level of 1 %; where there are many samples
 //! it changes nothing.

@@ -8,8 +8,8 @@ use super::Side;
 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-const RARE_LIGHT: &str = "Light that a method finds hardly ever makes it too dark for long: with more \
-    iterations such a difference goes away, and a bias does not.";
+const RARE_LIGHT: &str = "Light that a method finds hardly ever makes it too dark for long: with \
+    more iterations such a difference goes away, and a bias does not.";
 
 /// Two methods and their scores.
 pub(super) struct Report<'a> {
@@ -72,8 +72,8 @@ impl Report<'_> {
         lines.push(String::new());
         lines.push(
             "Scores are in standard deviations, above 0 where the first method is brighter: of the \
-             whole\npicture, and the largest of all its cells. A difference of a whole term is seen \
-             from that share on."
+             whole\npicture, and the largest of all its cells. A difference of a whole term is \
+             seen from that share on."
                 .to_owned(),
         );
         let n_rare: usize = self.agreement.terms.iter().map(|term| term.n_rare).sum();

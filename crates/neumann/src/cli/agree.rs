@@ -9,12 +9,12 @@ use crate::options::{SettingsOptions, whole};
 /// Arguments of `agree`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "The methods render batches in turn, each with a seed of its own. In the whole \
-    picture, its quarters, their quarters and so on, the means of the batches are held against \
-    each other for each bounce and channel by Welch's test. A score is their difference in standard \
-    deviations; the limit is that which any of all scores passes by chance with the probability \
-    --level. A method takes parameters behind a colon: pt-mis:roulette=off. A method may stand \
-    against itself.\n\n\
+    after_help = "The methods render batches in turn, each with a seed of its own. In the whole picture, \
+    its quarters, their quarters and so on, the means of the batches are held against each \
+    other for each bounce and channel by Welch's test. A score is their difference in \
+    standard deviations; the limit is that which any of all scores passes by chance with the \
+    probability --level. A method takes parameters behind a colon: pt-mis:roulette=off. A \
+    method may stand against itself.\n\n\
     On the map noise is grey; orange is where the first method is brighter, blue where it is \
     darker. Biased methods disagree with good reason, which is printed.\n\n\
     Exit code 0: they agree. 1: they disagree.\n\n\

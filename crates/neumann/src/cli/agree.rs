@@ -9,7 +9,8 @@ use crate::options::{SettingsOptions, whole};
 /// Arguments of `agree`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "The methods render batches in turn, each with a seed of its own. In the whole picture, \
+    after_help = "The methods render batches in turn, each with a seed of its own. In the whole \
+    picture, \
     its quarters, their quarters and so on, the means of the batches are held against each \
     other for each bounce and channel by Welch's test. A score is their difference in \
     standard deviations; the limit is that which any of all scores passes by chance with the \

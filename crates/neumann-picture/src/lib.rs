@@ -6,6 +6,7 @@
 //! picture back; [`compare`] measures how far two are apart, and [`race`] does so for methods at
 //! equal time; [`photons`] colours photons, [`quantity`] what a pixel holds beside radiance;
 //! [`histogram`] counts how bright they are; [`inspection`] says by which paths light came to one;
+//! [`hemisphere`] shows where from;
 //! [`sheet`] lays out the series; [`figures`] writes numbers; [`state`] keeps all that a person has
 //! chosen.
 //!
@@ -17,6 +18,7 @@ pub mod exr_file;
 pub mod false_colour;
 pub mod figures;
 pub mod files;
+pub mod hemisphere;
 pub mod histogram;
 pub mod image_file;
 pub mod inspection;

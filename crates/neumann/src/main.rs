@@ -11,6 +11,7 @@ mod completions;
 mod console;
 mod explain;
 mod failure;
+mod hemisphere;
 mod info;
 mod inspect;
 mod interrupt;
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Inspect(arguments)) => inspect::run(&arguments),
+        Some(Command::Hemisphere(arguments)) => hemisphere::run(&arguments),
         Some(Command::Series(arguments)) => series::run(&arguments),
         Some(Command::Race(arguments)) => race::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),

@@ -6,6 +6,7 @@
 
 mod canvas;
 mod curves;
+mod hemisphere;
 mod label;
 mod photons;
 mod picture;
@@ -23,6 +24,7 @@ use canvas::{Canvas, Rect, Thumbnail};
 use label::percent;
 use text::{Align, Face, Style, Typesetter};
 
+pub use hemisphere::{HemisphereSheet, hemisphere_sheet};
 pub use label::formula;
 pub use photons::photon_sheet;
 pub use picture::{PictureSheet, Scale, Stroke, Wipe, picture_sheet};

@@ -9,6 +9,7 @@
 //! its row [`Needs`]. What the film is, and which part of the series is chosen, is not its own: a
 //! *part* (`neumann_core::film::View`) is shown by a *view*.
 
+pub mod hemisphere;
 pub mod inspect;
 pub mod photons;
 pub mod picture;
@@ -44,6 +45,7 @@ pub static VIEWS: &[&Row] = &[
     &techniques::ROW,
     &photons::ROW,
     &inspect::ROW,
+    &hemisphere::ROW,
     &race::ROW,
 ];
 

@@ -7,6 +7,7 @@ mod controls;
 mod edits;
 mod files;
 mod film;
+mod hemisphere;
 mod histogram;
 mod inspect;
 mod kept_views;

@@ -388,14 +388,18 @@ pub(crate) struct InspectArguments {
 /// Arguments of `hemisphere`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "L_o = L_e + ∫ L_i f cos θ dω at the first surface that the ray through the middle     of the pixel meets. The integral is estimated by directions drawn from the BSDF, by aiming at     lights, and by both with MIS weights; it is the sum over the pictures too, and the radiance of     the pixel along that ray less L_e, which the integrator renders for comparison. Intervals hold     the truth 95 times of 100.
-
-    The sheet has incident radiance, BSDF, cosine and their product over the hemisphere, the viewer     below, and where light passes through the surface a second disk with the directions behind it;     the densities with the first samples; and how the estimators come together.
-
-    Examples:
-      neumann hemisphere cornell --pixel 256,400 -o point.png
-      neumann hemisphere plates --size 256x192 --pixel 100,112 --samples 16 -o plate.png
-      neumann hemisphere sky --size 128x96 --pixel 64,80 --samples 16 --json"
+    after_help = "L_o = L_e + ∫ L_i f cos θ dω at the first surface that the ray through the \
+    middle of the pixel meets. The integral is estimated by directions drawn from the BSDF, by \
+    aiming at lights, and by both with MIS weights; it is the sum over the pictures too, and the \
+    radiance of the pixel along that ray less L_e, which the integrator renders for comparison. \
+    Intervals hold the truth 95 times of 100.\n\n\
+    The sheet has incident radiance, BSDF, cosine and their product over the hemisphere, the \
+    viewer below, and where light passes through the surface a second disk with the directions \
+    behind it; the densities with the first samples; and how the estimators come together.\n\n\
+    Examples:\n  \
+    neumann hemisphere cornell --pixel 256,400 -o point.png\n  \
+    neumann hemisphere plates --size 256x192 --pixel 100,112 --samples 16 -o plate.png\n  \
+    neumann hemisphere sky --size 128x96 --pixel 64,80 --samples 16 --json"
 )]
 pub(crate) struct HemisphereArguments {
     /// A .gltf or .glb file, or the name of a built-in scene

@@ -11,6 +11,7 @@ mod directions;
 mod emission;
 mod energy;
 mod error_estimate;
+mod hemisphere;
 mod inspection;
 mod light_choice;
 mod lights;

@@ -6,9 +6,10 @@
 //! [`image_file`] reads any picture back; [`compare`] measures how far two are apart,
 //! [`agreement`] whether that is chance, and [`race`] lets methods come near at equal time;
 //! [`photons`] colours photons, [`quantity`] what a pixel holds beside radiance; [`histogram`]
-//! counts how bright they are; [`inspection`] says by which paths light came to one; [`energy`]
-//! says what the terms are worth; [`axis`] is one of a chart; [`sheet`] lays out the series;
-//! [`figures`] writes numbers; [`state`] keeps all that a person has chosen.
+//! counts how bright they are; [`inspection`] says by which paths light came to one,
+//! [`hemisphere`] from where; [`energy`] says what the terms are worth; [`axis`] is one of a
+//! chart; [`sheet`] lays out the series; [`figures`] writes numbers; [`state`] keeps all that a
+//! person has chosen.
 //!
 //! Knows no window and no terminal.
 
@@ -21,6 +22,7 @@ pub mod exr_file;
 pub mod false_colour;
 pub mod figures;
 pub mod files;
+pub mod hemisphere;
 pub mod histogram;
 pub mod image_file;
 pub mod inspection;

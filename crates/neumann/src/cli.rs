@@ -1,6 +1,7 @@
 //! What can be typed.
 
 mod agree;
+mod hemisphere;
 mod inspect;
 mod race;
 mod replay;
@@ -20,6 +21,7 @@ use crate::options::{
 };
 
 pub(crate) use agree::AgreeArguments;
+pub(crate) use hemisphere::HemisphereArguments;
 pub(crate) use inspect::InspectArguments;
 pub(crate) use race::RaceArguments;
 pub(crate) use replay::ReplayArguments;
@@ -77,6 +79,8 @@ pub(crate) enum Command {
     Replay(ReplayArguments),
     /// Ask why a pixel is as bright as it is: values, techniques, distribution, ways, paths
     Inspect(InspectArguments),
+    /// Show the reflection equation at the surface point that a pixel shows
+    Hemisphere(HemisphereArguments),
     /// Measure how far two pictures are apart: RMSE, relMSE, FLIP, mean ratio
     Compare(CompareArguments),
     /// List built-in scenes, integrators or their parameters

@@ -13,6 +13,7 @@ mod completions;
 mod console;
 mod explain;
 mod failure;
+mod hemisphere;
 mod info;
 mod inspect;
 mod interrupt;
@@ -56,6 +57,7 @@ fn main() -> ExitCode {
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Inspect(arguments)) => inspect::run(&arguments),
+        Some(Command::Hemisphere(arguments)) => hemisphere::run(&arguments),
         Some(Command::Series(arguments)) => series::run(&arguments),
         Some(Command::Race(arguments)) => race::run(&arguments),
         Some(Command::Agree(arguments)) => agree::run(&arguments),

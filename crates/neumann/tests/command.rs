@@ -13,6 +13,8 @@ mod continued;
 mod examples;
 #[path = "command/files_of_others.rs"]
 mod files_of_others;
+#[path = "command/hemisphere.rs"]
+mod hemisphere;
 #[path = "command/inspect.rs"]
 mod inspect;
 #[path = "command/photons.rs"]

@@ -21,7 +21,7 @@ pub use observer::{PathId, Replayed};
 pub(crate) use observer::{Plan, Seen};
 pub use pixels::{PixelPath, PixelSample, Pixels, Splits};
 pub use sample_counts::SampleCounts;
-pub use sink::{PixelPlace, PixelSink, Sink};
+pub use sink::{Gather, PixelPlace, PixelSink, Sink};
 
 use std::ops::Range;
 

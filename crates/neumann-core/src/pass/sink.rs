@@ -40,6 +40,19 @@ pub struct PixelSink<'a> {
     observer: Option<Observer>,
 }
 
+/// Takes the contributions of a path.
+pub trait Gather {
+    /// Takes one.
+    fn gather(&mut self, contribution: Contribution);
+}
+
+impl Gather for PixelSink<'_> {
+    #[inline(always)]
+    fn gather(&mut self, contribution: Contribution) {
+        self.add(contribution);
+    }
+}
+
 /// Where the contributions of a path to its own pixel go.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PixelPlace {

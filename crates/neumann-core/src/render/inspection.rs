@@ -75,7 +75,7 @@ struct Way {
 
 /// The sum of the iterations, and of their squared luminances.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sum {
+pub(super) struct Sum {
     value: [f64; 3],
     squares: f64,
     n_paths: u64,
@@ -84,12 +84,12 @@ struct Sum {
 }
 
 impl Sum {
-    fn add(&mut self, value: Rgb) {
+    pub(super) fn add(&mut self, value: Rgb) {
         self.latest += value;
         self.n_paths += 1;
     }
 
-    fn end_iteration(&mut self) {
+    pub(super) fn end_iteration(&mut self) {
         let latest = std::mem::take(&mut self.latest);
         for (sum, value) in self.value.iter_mut().zip(latest.to_array()) {
             *sum += f64::from(value);
@@ -97,7 +97,7 @@ impl Sum {
         self.squares += f64::from(latest.luminance()).powi(2);
     }
 
-    fn measured(&self, n_iterations: u32) -> Measured {
+    pub(super) fn measured(&self, n_iterations: u32) -> Measured {
         let n = f64::from(n_iterations.max(1));
         let [r, g, b] = self.value.map(|sum| (sum / n) as f32);
         let mean = Rgb::new(r, g, b);

@@ -6,6 +6,7 @@
 
 mod adaptive;
 mod behind_backs;
+pub mod hemisphere;
 mod inspection;
 mod iteration_times;
 mod job;
@@ -20,6 +21,7 @@ mod settings;
 mod summary;
 
 pub use behind_backs::hidden_by_backs;
+pub use hemisphere::Hemisphere;
 pub use inspection::{Inspection, Measured, SampleCount, WayShare};
 pub use iteration_times::IterationTimes;
 pub use job::{Job, StopRule};

@@ -177,6 +177,28 @@ fn pdf_w_of_emitter(
     lights.pmf_aim(from, choice, index) * pdf_w_from_pdf_a(pdf_a, cos, distance_squared)
 }
 
+/// Density, 1/sr, with which such a choice of lights aims along a ray from a vertex, whatever is in
+/// between: that of all emitters along it together.
+#[must_use]
+pub fn pdf_w_of_aim(
+    tracer: &mut Tracer<'_>,
+    vertex: &SurfaceVertex<'_>,
+    choice: LightChoice,
+    wi: Vec3,
+) -> f32 {
+    let from = vertex.receiver();
+    let ray = vertex.ray(wi);
+    let lights = tracer.scene.lights();
+    let (mut pdf_w, _) = lights.environment_densities(&from, choice, wi);
+    for hit in tracer.crossings(&ray) {
+        let emitter = tracer.surface_vertex(&ray, &hit);
+        if !tracer.emitted(&emitter).is_black() {
+            pdf_w += pdf_w_of_emitter(tracer, &from, choice, &emitter);
+        }
+    }
+    pdf_w
+}
+
 impl Aimed {
     /// At nothing.
     pub(crate) const NOWHERE: Self = Self {

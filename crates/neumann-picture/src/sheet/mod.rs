@@ -7,6 +7,7 @@
 mod agreement;
 mod canvas;
 mod curves;
+mod hemisphere;
 mod label;
 mod photons;
 mod picture;
@@ -25,6 +26,7 @@ use label::percent;
 use text::{Align, Face, Style, Typesetter};
 
 pub use agreement::{AgreementSheet, agreement_sheet};
+pub use hemisphere::{HemisphereSheet, hemisphere_sheet};
 pub use label::formula;
 pub use photons::photon_sheet;
 pub use picture::{PictureSheet, Scale, Stroke, Wipe, picture_sheet};

@@ -10,6 +10,7 @@
 //! *part* (`neumann_core::film::View`) is shown by a *view*.
 
 pub mod energy;
+pub mod hemisphere;
 pub mod inspect;
 pub mod photons;
 pub mod picture;
@@ -45,6 +46,7 @@ pub static VIEWS: &[&Row] = &[
     &techniques::ROW,
     &photons::ROW,
     &inspect::ROW,
+    &hemisphere::ROW,
     &race::ROW,
     &energy::ROW,
 ];

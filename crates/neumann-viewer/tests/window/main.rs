@@ -8,6 +8,7 @@ mod edits;
 mod energy;
 mod files;
 mod film;
+mod hemisphere;
 mod histogram;
 mod inspect;
 mod kept_views;

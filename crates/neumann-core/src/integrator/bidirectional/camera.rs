@@ -139,7 +139,7 @@ impl CameraEnd<'_> {
         };
         let bounce = walk.bounce();
         if bounce == 0 {
-            add_unlit(tracer, &vertex.surface, sink);
+            add_unlit(tracer, &vertex.surface, &mut **sink);
         }
         if self.has_connections {
             if let Some(found) = hit_emitter(tracer, walk, &vertex, weighing) {

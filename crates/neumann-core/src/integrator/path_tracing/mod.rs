@@ -9,7 +9,7 @@ pub mod naive;
 pub mod nee;
 
 use crate::film::{Contribution, Strategy};
-use crate::pass::PixelSink;
+use crate::pass::Gather;
 use crate::radiometry::Rgb;
 use crate::transport::{SurfaceVertex, Tracer};
 
@@ -38,8 +38,8 @@ pub(super) fn connect(bounce: u32, value: Rgb, mis_weight: f32) -> Contribution 
 
 /// What an unlit surface shows where the camera sees it directly.
 #[inline]
-pub(super) fn add_unlit(tracer: &Tracer<'_>, vertex: &SurfaceVertex<'_>, sink: &mut PixelSink<'_>) {
+pub(super) fn add_unlit(tracer: &Tracer<'_>, vertex: &SurfaceVertex<'_>, sink: &mut impl Gather) {
     if vertex.material.is_unlit() {
-        sink.add(hit(0, tracer.unlit(vertex), 1.0));
+        sink.gather(hit(0, tracer.unlit(vertex), 1.0));
     }
 }

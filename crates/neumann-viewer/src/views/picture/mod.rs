@@ -152,6 +152,24 @@ fn show_waiting(ui: &Ui, stage: &Stage<'_>) {
     painter.text(at, Align2::CENTER_CENTER, text, theme::body(), p.weak);
 }
 
+/// `Shift` and an arrow: the pixel beside a chosen one, that way; `None` without a press.
+pub(super) fn stepped_pixel(ui: &Ui, from: [usize; 2], size: (usize, usize)) -> Option<[usize; 2]> {
+    if ui.memory(|memory| memory.focused().is_some()) {
+        return None;
+    }
+    let presses = |key| {
+        let count =
+            |input: &mut egui::InputState| input.count_and_consume_key(egui::Modifiers::SHIFT, key);
+        ui.input_mut(count) as i64
+    };
+    let x = presses(egui::Key::ArrowRight) - presses(egui::Key::ArrowLeft);
+    let y = presses(egui::Key::ArrowDown) - presses(egui::Key::ArrowUp);
+    let step =
+        |at: usize, by: i64, n: usize| (at as i64 + by).clamp(0, n.max(1) as i64 - 1) as usize;
+    let is_pressed = (x, y) != (0, 0);
+    is_pressed.then(|| [step(from[0], x, size.0), step(from[1], y, size.1)])
+}
+
 /// Fills what the picture leaves of the stage.
 pub(super) fn fill_around(ui: &Ui, rect: Rect, covered: Rect, color: Color32) {
     if !covered.is_positive() {

@@ -5,16 +5,16 @@
 
 use crate::endpoint::light::PanelLanes;
 use crate::endpoint::{Camera, SurfacePoint};
-use crate::film::Contribution;
 use crate::integrator::lanes::{DirectionNumbers, PathLanes, Unseen};
 use crate::math::lanes::{LANES, Lanes, Vec3Lanes, lanes_of, vectorized};
 use crate::pass::{PixelPath, PixelPlace, PixelSink, Pixels, Splits};
-use crate::sampling::{BounceNumbers, Sampler};
+use crate::sampling::Sampler;
+use crate::transport::Tracer;
 use crate::transport::diffuse::{DiffuseSamples, DiffuseVertices};
-use crate::transport::reflection::{Aimed, aim_at_light, light_sample};
-use crate::transport::specular_casters::{Cones, ConesLanes};
-use crate::transport::{SurfaceVertex, Tracer, VertexSample};
+use crate::transport::reflection::Aimed;
+use crate::transport::specular_casters::ConesLanes;
 
+use super::alone::Alone;
 use super::walk::{Carried, CarriedLanes, N_SPLITS, Path, PathTracer};
 use crate::integrator::path_tracing::bsdf::MODE;
 use crate::integrator::path_tracing::connect;
@@ -126,16 +126,8 @@ struct Step<'a> {
     /// the lanes that have them (one bit for each),
     plain: u32,
     /// and the vertices of other lanes.
-    others: [Option<Other<'a>>; LANES],
+    others: [Option<Alone<'a>>; LANES],
     events: StepLanes,
-}
-
-/// A vertex that makes its step by itself.
-struct Other<'a> {
-    vertex: SurfaceVertex<'a>,
-    u: BounceNumbers,
-    cones: Option<Cones>,
-    sample: Option<VertexSample>,
 }
 
 /// What is drawn at the vertices, and what comes of it.
@@ -192,7 +184,7 @@ impl<'a> Step<'a> {
             match walk.meet(&mut path, hits[lane].as_ref(), tracer, sink) {
                 Some(vertex) => {
                     paths.set(lane, &path);
-                    self.others[lane] = Some(Other::at(vertex));
+                    self.others[lane] = Some(Alone::at(vertex));
                 }
                 None => paths.common.end(lane),
             }
@@ -215,7 +207,7 @@ impl<'a> Step<'a> {
         let mut firsts = 0;
         for lane in lanes_of(met) {
             let is_plain = self.plain >> lane & 1 != 0;
-            let has_density = |other: &Other<'_>| other.vertex.bsdf.has_density();
+            let has_density = |other: &Alone<'_>| other.vertex.bsdf.has_density();
             let has_density = is_plain || self.others[lane].as_ref().is_some_and(has_density);
             if has_density && paths.common.bounces.get(lane) == 0 {
                 firsts |= 1 << lane;
@@ -291,7 +283,7 @@ impl<'a> Step<'a> {
                         }
                         None => {
                             plain &= !(1 << lane);
-                            others[lane] = Some(Other::at(vertices.vertex(lane)));
+                            others[lane] = Some(Alone::at(vertices.vertex(lane)));
                         }
                     },
                 }
@@ -383,60 +375,6 @@ impl<'a> Step<'a> {
                 None => paths.common.end(lane),
             }
         }
-    }
-}
-
-impl<'a> Other<'a> {
-    fn at(vertex: SurfaceVertex<'a>) -> Self {
-        Self {
-            vertex,
-            u: BounceNumbers::default(),
-            cones: None,
-            sample: None,
-        }
-    }
-
-    /// Draws a direction from the BSDF, or towards a mirror or glass.
-    fn draw(&mut self, walk: &PathTracer<'_>) {
-        let (vertex, u) = (&self.vertex, self.u.bsdf());
-        self.cones = Cones::seen_from(vertex, walk.specular_casters);
-        self.sample = match &self.cones {
-            Some(cones) => cones.sample(vertex, u, MODE),
-            None => vertex.sample(u, MODE),
-        };
-    }
-
-    /// The next event, aimed at, against running into it.
-    fn aim(
-        &self,
-        walk: &PathTracer<'_>,
-        path: &Path,
-        tracer: &mut Tracer<'_>,
-    ) -> Option<Contribution> {
-        if !self.vertex.bsdf.has_density() {
-            return None;
-        }
-        let u = light_sample(&self.u);
-        let aimed = aim_at_light(tracer, &self.vertex, path.media, walk.choice, &u)?;
-        let value = path.carried.throughput * aimed.value;
-        let aimed = self.cones.map_or(aimed, |cones| cones.beside(aimed));
-        Some(connect(path.bounce + 1, value, aimed.mis_weight()))
-    }
-
-    /// Goes on along the direction that was drawn; `None` where the path ends.
-    fn leave(
-        &self,
-        walk: &PathTracer<'_>,
-        mut path: Path,
-        tracer: &mut Tracer<'_>,
-    ) -> Option<Path> {
-        let (vertex, sample) = (&self.vertex, self.sample.as_ref()?);
-        let survival = walk.leave(&mut path.carried, vertex, sample);
-        tracer.leaves(vertex, sample, MODE, survival);
-        path.media = vertex.media_towards(sample.wi, path.media);
-        path.ray = vertex.ray(sample.wi);
-        path.bounce += 1;
-        (self.u.roulette < survival).then_some(path)
     }
 }
 

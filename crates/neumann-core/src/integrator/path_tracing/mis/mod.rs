@@ -8,9 +8,12 @@
 //! error is in what of the sky is seen from there. Long paths end by Russian roulette on their
 //! throughput.
 //!
-//! `lanes` has the order of a step, for sixteen paths side by side.
+//! `lanes` has the order of a step, for sixteen paths side by side; `alone` the same for a path by
+//! itself.
 
+mod alone;
 mod lanes;
+pub(crate) mod onward;
 mod walk;
 
 use crate::endpoint::LightChoice;

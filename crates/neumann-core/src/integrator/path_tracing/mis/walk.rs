@@ -5,7 +5,7 @@ use crate::endpoint::LightChoice;
 use crate::integrator::path_tracing::{add_unlit, hit};
 use crate::math::Ray;
 use crate::math::lanes::side_by_side;
-use crate::pass::PixelSink;
+use crate::pass::Gather;
 use crate::radiometry::Rgb;
 use crate::sampling::roulette;
 use crate::scene::bodies::Media;
@@ -38,6 +38,17 @@ pub(super) struct Carried {
     drawn: Drawn,
 }
 
+impl Carried {
+    /// What a path carries whose direction was drawn there, or nowhere.
+    pub(super) fn new(throughput: Rgb, drawn: Drawn) -> Self {
+        Self {
+            throughput,
+            n_events: 0,
+            drawn,
+        }
+    }
+}
+
 side_by_side! {
     /// What the paths of all lanes carry.
     pub(crate) struct CarriedLanes of Carried { throughput: Rgb, n_events: u32, drawn: Drawn }
@@ -58,11 +69,7 @@ impl Path {
     pub(super) fn new(ray: Ray, tracer: &mut Tracer<'_>) -> Self {
         Self {
             ray,
-            carried: Carried {
-                throughput: Rgb::WHITE,
-                n_events: 0,
-                drawn: Drawn::NOWHERE,
-            },
+            carried: Carried::new(Rgb::WHITE, Drawn::NOWHERE),
             media: tracer.begin_at_camera(&ray),
             bounce: 0,
         }
@@ -84,7 +91,7 @@ impl PathTracer<'_> {
         path: &mut Path,
         found: Option<&Hit>,
         tracer: &mut Tracer<'s>,
-        sink: &mut PixelSink<'_>,
+        sink: &mut impl Gather,
     ) -> Option<SurfaceVertex<'s>> {
         let bounce = path.bounce;
         // What does the ray meet? Nothing: the environment emits.
@@ -96,7 +103,7 @@ impl PathTracer<'_> {
             if !radiance.is_black() {
                 let drawn = &carried.drawn;
                 let weight = drawn.mis_weight_of_environment(tracer, self.choice, direction);
-                sink.add(hit(bounce, carried.throughput * radiance, weight));
+                sink.gather(hit(bounce, carried.throughput * radiance, weight));
             }
             return None;
         };
@@ -108,7 +115,7 @@ impl PathTracer<'_> {
         let emitted = tracer.emitted(&vertex);
         if !emitted.is_black() {
             let weight = carried.drawn.mis_weight(tracer, self.choice, &vertex);
-            sink.add(hit(bounce, carried.throughput * emitted, weight));
+            sink.gather(hit(bounce, carried.throughput * emitted, weight));
         }
         (bounce < self.max_bounces).then_some(vertex)
     }

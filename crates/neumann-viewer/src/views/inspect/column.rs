@@ -72,7 +72,7 @@ fn figures(
         format!("{n} iterations")
     };
     fact(ui, &format!("Pixel {x}, {y}"), &of);
-    if super::of_job(job, [x, y]).is_none() {
+    if job.pixel_of([x, y]).is_none() {
         paragraph(
             ui,
             "This pixel lies outside of the region that is rendered.",

@@ -14,7 +14,7 @@ mod worker;
 
 use std::sync::Arc;
 
-use egui::{Key, Modifiers, PointerButton, Pos2, Rect, StrokeKind, Ui, Vec2, pos2};
+use egui::{Key, PointerButton, Pos2, Rect, StrokeKind, Ui, Vec2, pos2};
 use neumann_core::render::{Inspection, Job, Replayed};
 use neumann_picture::inspection;
 use neumann_picture::sheet::{PictureSheet, picture_sheet};
@@ -107,28 +107,6 @@ impl InspectView {
     pub fn chosen(&self) -> Option<&Replayed> {
         self.list.chosen(&self.found)
     }
-
-    /// `Shift` and an arrow: the next pixel that way.
-    fn take_keys(&mut self, ui: &Ui, size: (usize, usize)) {
-        if ui.memory(|memory| memory.focused().is_some()) {
-            return;
-        }
-        let presses = |key| {
-            let count =
-                |input: &mut egui::InputState| input.count_and_consume_key(Modifiers::SHIFT, key);
-            ui.input_mut(count) as i64
-        };
-        let x = presses(Key::ArrowRight) - presses(Key::ArrowLeft);
-        let y = presses(Key::ArrowDown) - presses(Key::ArrowUp);
-        if let Some(pixel) = self.pixel
-            && (x, y) != (0, 0)
-        {
-            let step = |at: usize, by: i64, n: usize| {
-                (at as i64 + by).clamp(0, n.max(1) as i64 - 1) as usize
-            };
-            self.inspect([step(pixel[0], x, size.0), step(pixel[1], y, size.1)]);
-        }
-    }
 }
 
 impl View for InspectView {
@@ -159,7 +137,7 @@ impl View for InspectView {
             return true;
         }
         if self.worker.is_none()
-            && let Some(pixel) = of_job(job, pixel)
+            && let Some(pixel) = job.pixel_of(pixel)
         {
             self.worker = Worker::start(job, generation, pixel);
         }
@@ -248,7 +226,11 @@ impl InspectView {
         let p = Palette::of(ui);
         let rect = stage.rect;
         let size = stage.session.shown_size();
-        self.take_keys(ui, size);
+        if let Some(pixel) = self.pixel
+            && let Some(next) = picture::stepped_pixel(ui, pixel, size)
+        {
+            self.inspect(next);
+        }
         let name = match self.pixel {
             Some([x, y]) => format!("picture, pixel {x}, {y} inspected"),
             None => "picture".to_owned(),
@@ -323,12 +305,4 @@ impl InspectView {
         marks.paint(&painter);
         painter.rect_stroke(rect, 4, (1.0, p.line), StrokeKind::Inside);
     }
-}
-
-/// The pixel of a job that lies at a pixel of the whole picture; `None` outside of its region.
-fn of_job(job: &Job, [x, y]: [usize; 2]) -> Option<[u32; 2]> {
-    let [left, top] = job.settings.camera.crop.map_or([0, 0], |crop| crop.at);
-    let (x, y) = (x.checked_sub(left)?, y.checked_sub(top)?);
-    let is_within = x < job.settings.width && y < job.settings.height;
-    is_within.then_some([x as u32, y as u32])
 }

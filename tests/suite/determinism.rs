@@ -364,6 +364,28 @@ fn techniques_of_a_picture_that_is_done_are_found() {
     assert_same_bits(&published.film, &setup.film(0, n_iterations), "once more");
 }
 
+/// The loop is told while it has nothing to do, so no iteration comes that could say it.
+#[test]
+fn a_rule_that_has_been_met_already_ends_a_job_that_rests() {
+    let (render_loop, bell) = watched_loop();
+    let setup = Setup::new(&builtin("cornell"), 60, 40).up_to(3);
+    render_loop.start(Job {
+        scene: builtin("cornell"),
+        settings: setup.settings.clone(),
+        stop: StopRule::Never,
+    });
+    let is_at_top = |p: &neumann_core::render::Published| p.divisor == 1;
+    wait_for(&render_loop, &bell, |p| {
+        is_at_top(p) && p.stats.n_iterations >= 3
+    });
+    render_loop.pause(true);
+    // An iteration may be under way.
+    while bell.recv_timeout(Duration::from_millis(300)).is_ok() {}
+    assert!(!render_loop.published().stats.is_done);
+    render_loop.stop_after(StopRule::Iterations(2));
+    wait_for(&render_loop, &bell, |p| p.stats.is_done);
+}
+
 /// A room with enough triangles that a quick tree is built first.
 fn big_scene() -> SceneDescription {
     let corners = room_with_spheres(30);

@@ -45,6 +45,8 @@ pub(super) struct Climb {
     draws_photons: bool,
     /// What was drawn last for whoever looks, of this rung.
     pub(super) looks: Looks,
+    /// Whether it has been said that the job is done.
+    pub(super) has_said_done: bool,
 }
 
 impl Climb {
@@ -61,6 +63,7 @@ impl Climb {
             recorder: None,
             draws_photons: false,
             looks: Looks::default(),
+            has_said_done: false,
         }
     }
 
@@ -88,6 +91,7 @@ impl Climb {
             recorder: None,
             draws_photons: false,
             looks: Looks::default(),
+            has_said_done: false,
         }
     }
 
@@ -182,6 +186,11 @@ impl Climb {
         let has_features = self.looks.features.is_some();
         let is_owed = self.draws_photons != wanted.photons || has_features != wanted.features;
         self.n_iterations > 0 && is_owed
+    }
+
+    /// True if the stop rule has been met since the last iteration, and nobody knows yet.
+    pub(super) fn owes_word(&self, stop: StopRule) -> bool {
+        self.n_iterations > 0 && self.is_done(stop) && !self.has_said_done
     }
 
     /// True if the stop rule has been met.

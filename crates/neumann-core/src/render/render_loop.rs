@@ -236,9 +236,11 @@ impl Shared {
                 let is_wanted =
                     !climb.is_done(job.stop) || (control.is_recording && climb.lacks_techniques());
                 let iterates = (is_new || is_wanted) && !control.is_paused;
-                if iterates || (!is_new && climb.owes(control.wanted)) {
+                let is_over = !is_new && climb.owes_word(job.stop);
+                if iterates || is_over || (!is_new && climb.owes(control.wanted)) {
                     return Some(Task {
                         iterates,
+                        is_over,
                         job: job.clone(),
                         generation: control.generation,
                         cancel: control.cancel.clone(),
@@ -263,6 +265,8 @@ struct Task {
     wanted: Wanted,
     /// False where something is to be drawn for whoever looks, and no more.
     iterates: bool,
+    /// True if the rule was changed to one that has been met already, which is to be said.
+    is_over: bool,
 }
 
 fn run(shared: &Shared, pool: &WorkerPool) {
@@ -273,6 +277,11 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let Some(task) = shared.next_task(&climb) else {
             return;
         };
+        if task.is_over {
+            climb.has_said_done = true;
+            shared.publish(|published| published.stats.is_done = true);
+            continue;
+        }
         if !task.iterates {
             climb.draw(task.wanted, &task.cancel);
             shared.publish(|published| published.look(climb.looks.clone()));
@@ -333,6 +342,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         // The rule may have been changed since.
         let stop = shared.stop_of(generation).unwrap_or(task.job.stop);
         let is_done = divisor == 1 && climb.is_done(stop);
+        climb.has_said_done = is_done;
         let is_due = summarised.is_none_or(|t| t.elapsed() >= SUMMARY_PERIOD) || is_done;
         if is_due {
             climb.draw(task.wanted, &task.cancel);

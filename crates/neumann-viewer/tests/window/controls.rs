@@ -165,7 +165,7 @@ fn the_title_names_scene_and_method_and_cameras_stand_on_their_page() {
 
 #[test]
 fn figures_choices_and_items_of_the_bar_say_what_they_are() {
-    let mut harness = harness([1280.0, 720.0]);
+    let mut harness = harness([1280.0, 800.0]);
     let bar = harness.get_by_label("method: bdpt").rect().center();
     let pause = harness.get_by_label("Pause rendering").rect().center();
     let status = harness.get_by_label_contains("estimated error").rect();

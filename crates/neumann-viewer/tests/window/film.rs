@@ -28,7 +28,7 @@ fn pausing_by_key_and_by_button() {
 
 #[test]
 fn stopping_after_iterations_does_not_restart() {
-    let mut harness = harness([1280.0, 1100.0]);
+    let mut harness = harness([1280.0, 1300.0]);
     click(&mut harness, "Stop after: iterations");
     assert_eq!(
         harness.state().session.setup.stop,

@@ -312,8 +312,8 @@ impl Hemisphere {
         self.emitted * self.transmittance
     }
 
-    /// The integral by one of the estimators, as it arrives at the lens, W m⁻² sr⁻¹: the radiance
-    /// of the pixel but for what the point emits.
+    /// The integral by one of the estimators, as it arrives at the lens, W m⁻² sr⁻¹: the
+    /// radiance of the pixel but for what the point emits.
     #[must_use]
     pub fn estimate_by(&self, estimator: Estimator) -> &Running {
         match estimator {

@@ -384,6 +384,8 @@ fn a_rule_that_has_been_met_already_ends_a_job_that_rests() {
     assert!(!render_loop.published().stats.is_done);
     render_loop.stop_after(StopRule::Iterations(2));
     wait_for(&render_loop, &bell, |p| p.stats.is_done);
+    render_loop.stop_after(StopRule::Never);
+    wait_for(&render_loop, &bell, |p| !p.stats.is_done);
 }
 
 /// A room with enough triangles that a quick tree is built first.

@@ -188,9 +188,10 @@ impl Climb {
         self.n_iterations > 0 && is_owed
     }
 
-    /// True if the stop rule has been met since the last iteration, and nobody knows yet.
+    /// True if the stop rule was changed since it was said last whether the job is done, and the
+    /// answer is another one now.
     pub(super) fn owes_word(&self, stop: StopRule) -> bool {
-        self.n_iterations > 0 && self.is_done(stop) && !self.has_said_done
+        self.n_iterations > 0 && self.is_done(stop) != self.has_said_done
     }
 
     /// True if the stop rule has been met.

@@ -236,11 +236,11 @@ impl Shared {
                 let is_wanted =
                     !climb.is_done(job.stop) || (control.is_recording && climb.lacks_techniques());
                 let iterates = (is_new || is_wanted) && !control.is_paused;
-                let is_over = !is_new && climb.owes_word(job.stop);
-                if iterates || is_over || (!is_new && climb.owes(control.wanted)) {
+                let owes_word = !is_new && climb.owes_word(job.stop);
+                if iterates || owes_word || (!is_new && climb.owes(control.wanted)) {
                     return Some(Task {
                         iterates,
-                        is_over,
+                        owes_word,
                         job: job.clone(),
                         generation: control.generation,
                         cancel: control.cancel.clone(),
@@ -265,8 +265,8 @@ struct Task {
     wanted: Wanted,
     /// False where something is to be drawn for whoever looks, and no more.
     iterates: bool,
-    /// True if the rule was changed to one that has been met already, which is to be said.
-    is_over: bool,
+    /// True if the rule was changed, and so whether the job is done, which is to be said.
+    owes_word: bool,
 }
 
 fn run(shared: &Shared, pool: &WorkerPool) {
@@ -277,9 +277,10 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let Some(task) = shared.next_task(&climb) else {
             return;
         };
-        if task.is_over {
-            climb.has_said_done = true;
-            shared.publish(|published| published.stats.is_done = true);
+        if task.owes_word {
+            climb.has_said_done = climb.is_done(task.job.stop);
+            let is_done = climb.has_said_done;
+            shared.publish(|published| published.stats.is_done = is_done);
             continue;
         }
         if !task.iterates {

@@ -10,7 +10,7 @@ mod worker;
 
 use std::sync::Arc;
 
-use egui::{Key, PointerButton, Pos2, Rect, Stroke, Ui, pos2};
+use egui::{Key, Pos2, Rect, Stroke, Ui, pos2};
 use neumann_core::film::{Film, View as Part};
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::Hemisphere;
@@ -20,8 +20,7 @@ use self::disks::Disks;
 use self::worker::{Found, Worker};
 use super::picture;
 use super::{Needs, Row, Shown, Stage, View};
-use crate::display::image_area::{self, Pictures, Placement};
-use crate::display::{Slot, ViewSettings};
+use crate::display::ViewSettings;
 use crate::keys::{self, Action};
 use crate::panels::Page;
 use crate::probe::Reading;
@@ -108,50 +107,20 @@ impl HemisphereView {
         read.flatten()
     }
 
-    /// `Shift` and an arrow: the next pixel that way.
-    fn take_keys(&mut self, ui: &Ui, size: (usize, usize)) {
-        if let Some(pixel) = self.pixel
-            && let Some(next) = picture::stepped_pixel(ui, pixel, size)
-        {
-            self.look_at(next);
-        }
-    }
-
     /// The picture with the pixel on it.
     fn draw_picture(&mut self, ui: &Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
         let p = Palette::of(ui);
         let rect = stage.rect;
-        let size = stage.session.shown_size();
-        self.take_keys(ui, size);
         let name = match self.pixel {
             Some([x, y]) => format!("picture, looking around at pixel {x}, {y}"),
             None => "picture".to_owned(),
         };
-        let (response, placement) = picture::take_pointer(ui, stage, size, &name);
-        if response.clicked_by(PointerButton::Primary)
-            && ui.input(|input| input.modifiers.is_none())
-            && let Some(at) = response.interact_pointer_pos()
-            && let Some(fraction) = placement.fraction(at)
-        {
-            let (x, y) = Placement::pixel(fraction, size);
-            self.look_at([x, y]);
+        let (pixel, shown) = picture::with_pixel(ui, stage, self.pixel, &name);
+        if let Some(pixel) = pixel {
+            self.look_at(pixel);
         }
-        let session = &mut *stage.session;
-        session.picture.compose(&session.link, stage.settings.part);
-        let is_there = session.picture.is_there();
-        let covered = if is_there {
-            placement.visible
-        } else {
-            Rect::NOTHING
-        };
-        picture::fill_around(ui, rect, covered, p.ground);
-        if !is_there {
-            return None;
-        }
+        let (response, placement) = shown?;
         let painter = ui.painter().with_clip_rect(rect);
-        let planes = &session.picture.planes;
-        let pictures = Pictures::One(Slot::Live);
-        image_area::draw(&painter, &placement, stage.settings, planes, pictures, 0);
         if let Some([x, y]) = self.pixel {
             let film = placement.film;
             let share = |at: usize, n: usize| (at as f32 + 0.5) / n.max(1) as f32;

@@ -14,7 +14,7 @@ mod worker;
 
 use std::sync::Arc;
 
-use egui::{Key, PointerButton, Pos2, Rect, StrokeKind, Ui, Vec2, pos2};
+use egui::{Key, Pos2, Rect, StrokeKind, Ui, Vec2, pos2};
 use neumann_core::render::{Inspection, Job, Replayed};
 use neumann_picture::inspection;
 use neumann_picture::sheet::{PictureSheet, picture_sheet};
@@ -26,8 +26,7 @@ use self::outside::Outside;
 use self::worker::Worker;
 use super::{Needs, Row, Shown, Stage, View};
 use super::{picture, plate};
-use crate::display::image_area::{self, Pictures, Placement};
-use crate::display::{Slot, ViewSettings};
+use crate::display::ViewSettings;
 use crate::keys::{self, Action};
 use crate::panels::Page;
 use crate::probe::Reading;
@@ -225,42 +224,17 @@ impl InspectView {
     fn draw_picture(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
         let p = Palette::of(ui);
         let rect = stage.rect;
-        let size = stage.session.shown_size();
-        if let Some(pixel) = self.pixel
-            && let Some(next) = picture::stepped_pixel(ui, pixel, size)
-        {
-            self.inspect(next);
-        }
         let name = match self.pixel {
             Some([x, y]) => format!("picture, pixel {x}, {y} inspected"),
             None => "picture".to_owned(),
         };
-        let (response, placement) = picture::take_pointer(ui, stage, size, &name);
-        if response.clicked_by(PointerButton::Primary)
-            && ui.input(|input| input.modifiers.is_none())
-            && let Some(at) = response.interact_pointer_pos()
-            && let Some(fraction) = placement.fraction(at)
-        {
-            let (x, y) = Placement::pixel(fraction, size);
-            self.inspect([x, y]);
+        let (pixel, shown) = picture::with_pixel(ui, stage, self.pixel, &name);
+        if let Some(pixel) = pixel {
+            self.inspect(pixel);
         }
-        let session = &mut *stage.session;
-        session.picture.compose(&session.link, stage.settings.part);
-        let is_there = session.picture.is_there();
-        let covered = if is_there {
-            placement.visible
-        } else {
-            Rect::NOTHING
-        };
-        picture::fill_around(ui, rect, covered, p.ground);
-        if !is_there {
-            return None;
-        }
+        let (response, placement) = shown?;
         let painter = ui.painter().with_clip_rect(rect);
-        let planes = &session.picture.planes;
-        let pictures = Pictures::One(Slot::Live);
-        image_area::draw(&painter, &placement, stage.settings, planes, pictures, 0);
-        let (Some(pixel), Some(job)) = (self.pixel, session.link.started()) else {
+        let (Some(pixel), Some(job)) = (self.pixel, stage.session.link.started()) else {
             return response.hover_pos();
         };
         let part = region::rect(&placement, job.settings.camera.crop.as_ref());

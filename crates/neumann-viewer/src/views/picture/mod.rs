@@ -7,7 +7,9 @@ mod probed;
 mod shown;
 mod wipe;
 
-use egui::{Align2, Color32, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2};
+use egui::{
+    Align2, Color32, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2,
+};
 
 pub use self::probed::read;
 pub(super) use self::shown::image as shown_image;
@@ -153,7 +155,7 @@ fn show_waiting(ui: &Ui, stage: &Stage<'_>) {
 }
 
 /// `Shift` and an arrow: the pixel beside a chosen one, that way; `None` without a press.
-pub(super) fn stepped_pixel(ui: &Ui, from: [usize; 2], size: (usize, usize)) -> Option<[usize; 2]> {
+fn stepped_pixel(ui: &Ui, from: [usize; 2], size: (usize, usize)) -> Option<[usize; 2]> {
     if ui.memory(|memory| memory.focused().is_some()) {
         return None;
     }
@@ -168,6 +170,44 @@ pub(super) fn stepped_pixel(ui: &Ui, from: [usize; 2], size: (usize, usize)) -> 
         |at: usize, by: i64, n: usize| (at as i64 + by).clamp(0, n.max(1) as i64 - 1) as usize;
     let is_pressed = (x, y) != (0, 0);
     is_pressed.then(|| [step(from[0], x, size.0), step(from[1], y, size.1)])
+}
+
+/// Draws the picture for a view that asks about one of its pixels, which `Shift` and arrows move and
+/// a click chooses. Yields the pixel that is chosen now, and what the pointer does and where the
+/// picture stands, once it is there.
+pub(super) fn with_pixel(
+    ui: &Ui,
+    stage: &mut Stage<'_>,
+    mut pixel: Option<[usize; 2]>,
+    name: &str,
+) -> (Option<[usize; 2]>, Option<(Response, Placement)>) {
+    let (rect, size) = (stage.rect, stage.session.shown_size());
+    pixel = pixel.map(|pixel| stepped_pixel(ui, pixel, size).unwrap_or(pixel));
+    let (response, placement) = take_pointer(ui, stage, size, name);
+    if response.clicked_by(PointerButton::Primary)
+        && ui.input(|input| input.modifiers.is_none())
+        && let Some(at) = response.interact_pointer_pos()
+        && let Some(fraction) = placement.fraction(at)
+    {
+        pixel = Some(Placement::pixel(fraction, size).into());
+    }
+    let session = &mut *stage.session;
+    session.picture.compose(&session.link, stage.settings.part);
+    let is_there = session.picture.is_there();
+    let covered = if is_there {
+        placement.visible
+    } else {
+        Rect::NOTHING
+    };
+    fill_around(ui, rect, covered, Palette::of(ui).ground);
+    if !is_there {
+        return (pixel, None);
+    }
+    let painter = ui.painter().with_clip_rect(rect);
+    let planes = &session.picture.planes;
+    let pictures = Pictures::One(Slot::Live);
+    image_area::draw(&painter, &placement, stage.settings, planes, pictures, 0);
+    (pixel, Some((response, placement)))
 }
 
 /// Fills what the picture leaves of the stage.

@@ -172,9 +172,9 @@ fn stepped_pixel(ui: &Ui, from: [usize; 2], size: (usize, usize)) -> Option<[usi
     is_pressed.then(|| [step(from[0], x, size.0), step(from[1], y, size.1)])
 }
 
-/// Draws the picture for a view that asks about one of its pixels, which `Shift` and arrows move and
-/// a click chooses. Yields the pixel that is chosen now, and what the pointer does and where the
-/// picture stands, once it is there.
+/// Draws the picture for a view that asks about one of its pixels, which `Shift` and arrows move
+/// and a click chooses. Yields the pixel that is chosen now, and what the pointer does and where
+/// the picture stands, once it is there.
 pub(super) fn with_pixel(
     ui: &Ui,
     stage: &mut Stage<'_>,

@@ -56,7 +56,7 @@ fn inspect_first(
                 let (n, k) = (path.bounces().len(), path.contribution.bounce);
                 assert_eq!(n, k as usize, "{path:#?}");
             }
-            inspected.add(scene, iteration, replayed);
+            inspected.add(iteration, replayed);
         }
     }
     inspected
@@ -135,7 +135,7 @@ fn kinds_of_paths_add_up() {
             for way in inspected.ways() {
                 let kinds = kinds.iter();
                 let n = kinds
-                    .filter(|kind| kind.matches(way.bounces, way.emitter))
+                    .filter(|kind| kind.matches(way.bounces, way.source))
                     .count();
                 assert_eq!(n, 1, "{id}: {way:?}");
                 // Walls and floor let no light through, also where two parts are joined.

@@ -6,6 +6,7 @@ mod agreement;
 mod agreement_map;
 mod backs;
 mod cameras;
+mod classes;
 mod determinism;
 mod directions;
 mod emission;

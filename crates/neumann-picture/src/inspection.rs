@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use neumann_core::film::{Joint, Strategy};
 use neumann_core::render::{Inspection, Replayed};
 use neumann_core::scene::Scene;
-use neumann_core::transport::{Bounce, Lobe};
+use neumann_core::transport::{Bounce, Lobe, Source};
 
 use crate::figures::significant;
 
@@ -62,6 +62,19 @@ pub fn path(path: &Replayed) -> String {
     words.join(" ")
 }
 
+/// The name of what light comes from, if it has one.
+#[must_use]
+pub fn source_name(scene: &Scene, source: Source) -> Option<&str> {
+    match source {
+        Source::Material(index) => material(scene, Some(index)),
+        Source::Punctual(index) => {
+            let light = scene.appearance().lights.get(index as usize)?;
+            Some(light.name.as_str()).filter(|name| !name.is_empty())
+        }
+        Source::Environment => Some("environment"),
+    }
+}
+
 /// A material by its name.
 #[must_use]
 pub fn material(scene: &Scene, index: Option<u32>) -> Option<&str> {
@@ -115,9 +128,9 @@ pub fn sentence(inspection: &Inspection, scene: &Scene) -> String {
 fn source(inspection: &Inspection, scene: &Scene) -> String {
     let ways = inspection.ways();
     let brightest = ways.iter().find(|way| way.bounces.is_empty());
-    match brightest.map(|way| way.emitter) {
-        Some(None) => "the surroundings".to_owned(),
-        Some(emitter) => material(scene, emitter)
+    match brightest.and_then(|way| way.source) {
+        Some(Source::Environment) => "the surroundings".to_owned(),
+        Some(source) => source_name(scene, source)
             .map_or_else(|| "a light".to_owned(), |name| format!("'{name}'")),
         None => "a light".to_owned(),
     }

@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &InspectArguments) -> Outcome {
     let renderer = Renderer::new(scene.clone(), settings, pool, 0);
     let cancel = interrupt::token();
     let inspected = while_waiting("walking the paths once more", || {
-        inspect(&renderer, &scene, arguments.iterations, &[pixel], &cancel)
+        inspect(&renderer, arguments.iterations, &[pixel], &cancel)
     })?;
     let inspected = inspected.into_iter().next().unwrap_or_default();
     let shown = Shown {
@@ -56,7 +56,6 @@ pub(crate) fn run(arguments: &InspectArguments) -> Outcome {
 /// The first iterations of some pixels.
 fn inspect(
     renderer: &Renderer,
-    scene: &Scene,
     n_iterations: u32,
     pixels: &[[u32; 2]],
     cancel: &CancelToken,
@@ -65,7 +64,7 @@ fn inspect(
     for iteration in 0..n_iterations {
         let replayed = renderer.replay(iteration, pixels, cancel)?;
         for (inspected, replayed) in inspected.iter_mut().zip(replayed) {
-            inspected.add(scene, iteration, replayed);
+            inspected.add(iteration, replayed);
         }
     }
     Ok(inspected)
@@ -86,7 +85,7 @@ impl Shown<'_> {
             .bounce
             .is_none_or(|k| way.bounces.len() == k as usize);
         let only = self.only.as_ref();
-        of_bounce && only.is_none_or(|only| only.matches(way.bounces, way.emitter))
+        of_bounce && only.is_none_or(|only| only.matches(way.bounces, way.source))
     }
 
     fn wants_path(&self, path: &Replayed) -> bool {
@@ -102,7 +101,7 @@ impl Shown<'_> {
         let only = self.only.as_ref();
         of_technique
             && of_bounce
-            && only.is_none_or(|only| only.matches(&path.bounces(), path.emitter(self.scene)))
+            && only.is_none_or(|only| !only.share(&path.scattered(), path.source()).is_black())
     }
 
     fn ways(&self) -> Vec<WayShare<'_>> {
@@ -233,7 +232,7 @@ impl Shown<'_> {
             json!({
                 "way": inspection::way(way.bounces),
                 "materials": materials.collect::<Vec<_>>(),
-                "emitter": name(way.emitter),
+                "source": way.source.and_then(|source| inspection::source_name(self.scene, source)),
                 "share": self.share_of(way.luminance),
                 "paths": way.n_paths,
             })

@@ -100,7 +100,7 @@ fn vertex(scene: &Scene, vertex: &PathVertex) -> Value {
         "shading_normal": some(vertex.ns),
         "triangle": vertex.triangle,
         "material": material.map(|material| &material.parameters().name),
-        "lobe": vertex.lobe.map(lobe),
+        "lobe": vertex.lobe().map(lobe),
         "throughput": vertex.throughput.to_array(),
         "paths": vertex.n_paths,
         "event": vertex.event.as_ref().map(event),
@@ -124,6 +124,7 @@ fn event(event: &Event) -> Value {
     json!({
         "direction": event.wi.to_array(),
         "lobe": lobe(event.lobe),
+        "glossy": event.glossy.to_array(),
         "transmission": event.is_transmission,
         "f_cos": event.f_cos.to_array(),
         "pdf_w": event.pdf_w,

@@ -57,15 +57,20 @@ impl MetallicRoughness {
     #[inline]
     #[must_use]
     pub fn has_density(&self) -> bool {
-        !self.ggx.is_smooth() || !self.diffuse.is_black()
+        !self.ggx.is_smooth() || self.has_diffuse_part()
+    }
+
+    /// True unless the base is all metal, or black.
+    pub(super) fn has_diffuse_part(&self) -> bool {
+        !self.diffuse.is_black()
     }
 
     /// Roughness, 1 where there is a diffuse base.
     pub(super) fn roughness(&self) -> f32 {
-        if self.diffuse.is_black() {
-            self.ggx.alpha.sqrt()
-        } else {
+        if self.has_diffuse_part() {
             1.0
+        } else {
+            self.ggx.alpha.sqrt()
         }
     }
 

@@ -136,6 +136,17 @@ impl Bsdf {
         matches!(self, Self::Dielectric(_) | Self::Mix(_))
     }
 
+    /// True if it has a lobe that scatters alike in all directions.
+    #[must_use]
+    pub fn has_diffuse_part(&self) -> bool {
+        match self {
+            Self::Black | Self::Conductor(_) | Self::Dielectric(_) => false,
+            Self::Lambert(_) => true,
+            Self::MetallicRoughness(b) => b.has_diffuse_part(),
+            Self::Mix(b) => b.opaque.has_diffuse_part(),
+        }
+    }
+
     /// The same surface without its diffuse part; `None` if nothing is left.
     #[must_use]
     pub fn glossy_part(&self) -> Option<Self> {

@@ -204,4 +204,6 @@ pub struct Aim {
     /// How much of the surface that is aimed at is there: the probability that a ray that comes to
     /// the point meets it. It is in `value`.
     pub opacity: f32,
+    /// Which of the lights it is, if it is one.
+    pub light: u32,
 }

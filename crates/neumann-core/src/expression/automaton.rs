@@ -1,5 +1,7 @@
-//! Regular expressions over bounces, taken in all at once (K. Thompson, Regular Expression Search
-//! Algorithm, CACM 11(6), 1968): time is the product of both lengths, whatever the expression.
+//! Regular expressions over bounces as automata (K. Thompson, Regular Expression Search Algorithm,
+//! CACM 11(6), 1968): they have as many steps as the expression has parts.
+
+use std::collections::HashSet;
 
 use super::Pattern;
 use crate::transport::Bounce;
@@ -20,8 +22,9 @@ pub(super) enum Node {
     Repeat(Box<Self>, u32, Option<u32>),
 }
 
+/// A step of an automaton.
 #[derive(Clone, Debug)]
-enum Step {
+pub(super) enum Step {
     /// Takes a bounce.
     Take {
         patterns: Vec<Pattern>,
@@ -29,14 +32,28 @@ enum Step {
     },
     /// Goes on at either place.
     Fork(usize, usize),
+    /// The row is taken; the first step is such a one.
     Accept,
 }
 
 /// Takes rows of bounces.
 #[derive(Clone, Debug)]
 pub(super) struct Automaton {
-    steps: Vec<Step>,
-    start: usize,
+    pub(super) steps: Vec<Step>,
+    pub(super) start: u32,
+}
+
+impl Node {
+    /// The same for rows that are read from their other end.
+    pub(super) fn reversed(self) -> Self {
+        let all = |nodes: Vec<Self>| nodes.into_iter().map(Self::reversed);
+        match self {
+            Self::One { .. } => self,
+            Self::Row(nodes) => Self::Row(all(nodes).rev().collect()),
+            Self::Either(nodes) => Self::Either(all(nodes).collect()),
+            Self::Repeat(node, least, most) => Self::Repeat(node.reversed().into(), least, most),
+        }
+    }
 }
 
 impl Automaton {
@@ -52,40 +69,36 @@ impl Automaton {
         let start = builder.add(node, 0)?;
         Some(Self {
             steps: builder.steps,
-            start,
+            start: start as u32,
         })
     }
 
-    /// True if it takes the whole row.
-    pub(super) fn accepts<'a>(&self, bounces: impl Iterator<Item = &'a Bounce>) -> bool {
-        let mut now = vec![false; self.steps.len()];
-        self.enter(&mut now, self.start);
-        for bounce in bounces {
-            let mut next = vec![false; self.steps.len()];
-            for (at, step) in self.steps.iter().enumerate() {
-                if now[at]
-                    && let Step::Take { patterns, is_none } = step
-                    && patterns.iter().any(|pattern| pattern.fits(bounce)) != *is_none
-                {
-                    // What is behind a step was added before it.
-                    self.enter(&mut next, at - 1);
-                }
-            }
-            now = next;
-        }
-        now[0]
+    /// The step after one that takes such a bounce.
+    pub(super) fn after(&self, step: u32, bounce: &Bounce) -> Option<u32> {
+        let Step::Take { patterns, is_none } = &self.steps[step as usize] else {
+            return None;
+        };
+        let fits = patterns.iter().any(|pattern| pattern.fits(bounce)) != *is_none;
+        // What is behind a step was added before it.
+        fits.then(|| step - 1)
     }
 
-    /// Marks a step, and those that it forks into.
-    fn enter(&self, marked: &mut [bool], step: usize) {
-        let mut waiting = vec![step];
+    /// Steps that take something, or accept, which these lead to, in order.
+    pub(super) fn entered(&self, steps: impl IntoIterator<Item = u32>) -> Vec<u32> {
+        let mut waiting: Vec<u32> = steps.into_iter().collect();
+        let mut marked = HashSet::new();
+        let mut entered = Vec::new();
         while let Some(at) = waiting.pop() {
-            if !std::mem::replace(&mut marked[at], true)
-                && let Step::Fork(a, b) = self.steps[at]
-            {
-                waiting.extend([a, b]);
+            if !marked.insert(at) {
+                continue;
+            }
+            match self.steps[at as usize] {
+                Step::Fork(a, b) => waiting.extend([a as u32, b as u32]),
+                Step::Take { .. } | Step::Accept => entered.push(at),
             }
         }
+        entered.sort_unstable();
+        entered
     }
 }
 

@@ -10,30 +10,37 @@
 //! | `Dr`, `Dt` and so on | the same, reflected or transmitted only |
 //! | `R`, `T`, `.` | reflected, transmitted, or scattered at all, by any lobe |
 //! | `'red wall'`, `S'glass'` | scattered by a material of this name, by its specular lobe |
-//! | `L'lamp'`, `L'environment'` | light from a material of this name, or from the environment |
+//! | `L'lamp'`, `L'environment'` | light of a material or light of this name, or the environment |
 //! | `X*`, `X+`, `X?`, `X{2}`, `X{2,5}`, `X{2,}` | so often |
 //! | `[DG]`, `[^S]` | one of these, none of these |
 //! | <code>X&#124;Y</code>, `(X Y)` | one or the other, taken as one |
 //!
 //! Spaces mean nothing, but that the name of a light, or of a lobe's material, follows without one.
+//! A name may stand before an expression: `haze=L .* G E`. Some have names already: [`PRESETS`].
+//!
 //! An expression begins with `L` and ends with `E`, or the other way round. It is read from where
 //! it begins; several may stand side by side with `|` between them.
 
 mod automaton;
 mod parse;
+mod states;
 
 use std::fmt;
 
+use crate::radiometry::Rgb;
 use crate::scene::Scene;
-use crate::transport::{Bounce, Lobe};
+use crate::transport::{Bounce, Lobe, Scattered, Source};
 
-use self::automaton::Automaton;
+use self::states::States;
 
 /// A kind of path.
 #[derive(Clone, Debug)]
 pub struct Expression {
+    name: String,
     text: String,
-    alternatives: Vec<Alternative>,
+    /// The lights of the expressions that stand side by side.
+    lights: Vec<Light>,
+    states: States,
 }
 
 /// Expressions that are worth a name, with what they show.
@@ -46,22 +53,12 @@ pub const PRESETS: [(&str, &str); 6] = [
     ("glossy", "L .* G .* E"),
 ];
 
-/// One of the expressions that stand side by side.
-#[derive(Clone, Debug)]
-struct Alternative {
-    light: Light,
-    /// True if the automaton takes the bounce next to the light first.
-    is_from_light: bool,
-    automaton: Automaton,
-}
-
 /// Where light comes from.
 #[derive(Clone, Debug, PartialEq)]
 enum Light {
     Any,
-    Environment,
-    /// Materials.
-    Emitters(Vec<u32>),
+    /// One of these.
+    Sources(Vec<Source>),
 }
 
 /// What may happen at a bounce.
@@ -127,47 +124,90 @@ impl Expression {
     /// Characters, at most.
     pub const MAX_LENGTH: usize = 500;
 
-    /// Reads an expression; names are those of the scene's materials.
+    /// Reads an expression, a name of its own before it and `=` between them if it is to have one,
+    /// or the name of one of [`PRESETS`]. Names within it are those of the scene's materials and
+    /// lights.
     ///
     /// # Errors
     /// [`ExpressionError`] says what is wrong and where.
     pub fn new(text: &str, scene: &Scene) -> Result<Self, ExpressionError> {
-        parse::expression(text, &|name| materials(scene, name))
+        let names = Names {
+            materials: &|name| materials(scene, name),
+            lights: &|name| punctual_lights(scene, name),
+        };
+        parse::expression(text, &names)
     }
 
-    /// As it was written.
+    /// Its name, or what was written where it has none.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// As it was written, without its name.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// True of a path with these bounces, from the eye on, of light that a material or, if there is
-    /// none, no surface emits.
-    ///
-    /// Light that no surface emits is taken for the environment's.
+    /// True of a path with these bounces, from the eye on, and light from this source.
     #[must_use]
-    pub fn matches(&self, bounces: &[Bounce], emitter: Option<u32>) -> bool {
-        self.alternatives.iter().any(|alternative| {
-            let is_lit = match &alternative.light {
-                Light::Any => true,
-                Light::Environment => emitter.is_none(),
-                Light::Emitters(all) => emitter.is_some_and(|one| all.contains(&one)),
-            };
-            let automaton = &alternative.automaton;
-            is_lit
-                && if alternative.is_from_light {
-                    automaton.accepts(bounces.iter().rev())
-                } else {
-                    automaton.accepts(bounces.iter())
-                }
-        })
+    pub fn matches(&self, bounces: &[Bounce], source: Option<Source>) -> bool {
+        self.states.accepted(bounces.iter()) & self.lit_by(source) != 0
     }
+
+    /// The share, per channel, that it takes of what a path brings with these bounces, from the eye
+    /// on, and light from this source. Of two lobes at a bounce it may take one. Expressions that
+    /// have no path in common, and together all of them, take shares that add up to 1.
+    #[must_use]
+    pub fn share(&self, row: &[Scattered], source: Option<Source>) -> Rgb {
+        let alternatives = self.lit_by(source);
+        if alternatives == 0 {
+            return Rgb::BLACK;
+        }
+        self.states.share(row.iter(), alternatives)
+    }
+
+    /// The expressions side by side that a light fits, a bit for each.
+    fn lit_by(&self, source: Option<Source>) -> u64 {
+        let fits = |light: &Light| match light {
+            Light::Any => true,
+            Light::Sources(all) => source.is_some_and(|source| all.contains(&source)),
+        };
+        let lights = self.lights.iter().enumerate();
+        lights.fold(0, |bits, (i, light)| bits | u64::from(fits(light)) << i)
+    }
+}
+
+/// As it is written in a list: with its name, if it has one.
+impl fmt::Display for Expression {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.name != self.text {
+            write!(f, "{}=", self.name)?;
+        }
+        write!(f, "{}", self.text)
+    }
+}
+
+/// What expressions may name.
+struct Names<'a> {
+    /// The materials of a name.
+    materials: &'a dyn Fn(&str) -> Vec<u32>,
+    /// The lights of no extent of a name.
+    lights: &'a dyn Fn(&str) -> Vec<u32>,
 }
 
 /// The materials of a name.
 fn materials(scene: &Scene, name: &str) -> Vec<u32> {
     let all = scene.materials().iter().zip(0..);
     let named = all.filter(|(material, _)| material.parameters().name == name);
+    named.map(|(_, index)| index).collect()
+}
+
+/// The lights of a name.
+fn punctual_lights(scene: &Scene, name: &str) -> Vec<u32> {
+    let all = scene.appearance().lights.iter().zip(0..);
+    let named = all.filter(|(light, _)| light.name == name);
     named.map(|(_, index)| index).collect()
 }
 

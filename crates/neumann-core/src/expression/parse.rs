@@ -1,7 +1,9 @@
 //! Reading expressions.
 
 use super::automaton::{Automaton, Node};
-use super::{Alternative, Expression, ExpressionError, Light, Pattern};
+use super::states::States;
+use super::{Expression, ExpressionError, Light, Names, PRESETS, Pattern};
+use crate::transport::Source;
 
 /// Times that something may be repeated, at most, where a number says so.
 const MAX_REPEATS: u32 = 64;
@@ -9,17 +11,22 @@ const MAX_REPEATS: u32 = 64;
 const MAX_DEPTH: u32 = 32;
 /// What light without a surface is called.
 const ENVIRONMENT: &str = "environment";
+const TOO_LARGE: &str = "the expression is too large; repeat less, or fewer things at once";
 
-/// Reads an expression; `named` yields the materials of a name.
-pub(super) fn expression(
-    text: &str,
-    named: &dyn Fn(&str) -> Vec<u32>,
-) -> Result<Expression, ExpressionError> {
+/// Letters of an expression's own name, at most.
+const MAX_NAME: usize = 60;
+/// Expressions side by side, at most.
+const MAX_ALTERNATIVES: usize = 64;
+
+/// Reads an expression.
+pub(super) fn expression(text: &str, names: &Names<'_>) -> Result<Expression, ExpressionError> {
+    let preset = PRESETS.iter().find(|(name, _)| *name == text.trim());
+    let text = preset.map_or_else(|| text.to_owned(), |(name, text)| format!("{name}={text}"));
     let mut reader = Reader {
         letters: text.chars().collect(),
         at: 0,
         depth: 0,
-        named,
+        names,
     };
     if reader.letters.len() > Expression::MAX_LENGTH {
         reader.at = Expression::MAX_LENGTH;
@@ -29,16 +36,32 @@ pub(super) fn expression(
         );
         return Err(reader.error(what));
     }
-    let mut alternatives = vec![reader.alternative()?];
-    while reader.take('|') {
-        alternatives.push(reader.alternative()?);
+    let name = reader.own_name()?;
+    let start = reader.at;
+    let (mut lights, mut automata) = (Vec::new(), Vec::new());
+    loop {
+        let (light, automaton) = reader.alternative()?;
+        lights.push(light);
+        automata.push(automaton);
+        if !reader.take('|') {
+            break;
+        }
+        if lights.len() == MAX_ALTERNATIVES {
+            let what = format!("at most {MAX_ALTERNATIVES} expressions stand side by side");
+            return Err(reader.error(what));
+        }
     }
     if reader.peek().is_some() {
         return Err(reader.error("the expression has ended before this"));
     }
+    let states = States::new(&automata).ok_or_else(|| reader.error(TOO_LARGE))?;
+    let text: String = reader.letters[start..].iter().collect();
+    let text = text.trim().to_owned();
     Ok(Expression {
-        text: text.trim().to_owned(),
-        alternatives,
+        name: name.unwrap_or_else(|| text.clone()),
+        text,
+        lights,
+        states,
     })
 }
 
@@ -46,7 +69,7 @@ struct Reader<'a> {
     letters: Vec<char>,
     at: usize,
     depth: u32,
-    named: &'a dyn Fn(&str) -> Vec<u32>,
+    names: &'a Names<'a>,
 }
 
 impl Reader<'_> {
@@ -60,6 +83,24 @@ impl Reader<'_> {
             at: self.at.min(self.letters.len()),
             what: what.into(),
         }
+    }
+
+    /// The name that stands before the expression, if there is one.
+    fn own_name(&mut self) -> Result<Option<String>, ExpressionError> {
+        let Some(end) = self.letters.iter().position(|letter| *letter == '=') else {
+            return Ok(None);
+        };
+        let name: String = self.letters[..end].iter().collect();
+        let name = name.trim().to_owned();
+        let is_plain = |c: char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+        if name.is_empty() || name.len() > MAX_NAME || !name.chars().all(is_plain) {
+            let what = format!(
+                "a name before '=' has letters, digits, spaces, '-' and '_', {MAX_NAME} at most"
+            );
+            return Err(self.error(what));
+        }
+        self.at = end + 1;
+        Ok(Some(name))
     }
 
     /// The next letter that means something.
@@ -77,11 +118,14 @@ impl Reader<'_> {
     }
 
     /// An expression from one end to the other.
-    fn alternative(&mut self) -> Result<Alternative, ExpressionError> {
+    fn alternative(&mut self) -> Result<(Light, Automaton), ExpressionError> {
         let is_from_light = match self.peek() {
             Some('L') => true,
             Some('E') => false,
-            _ => return Err(self.error("an expression begins with L or E")),
+            _ => {
+                let what = "an expression begins with L or E, or is one of those with names";
+                return Err(self.error(what));
+            }
         };
         let mut light = self.end()?;
         let row = self.row()?;
@@ -98,13 +142,10 @@ impl Reader<'_> {
         } else {
             light = self.end()?;
         }
-        let automaton =
-            Automaton::new(&row).ok_or_else(|| self.error("the expression is too large"))?;
-        Ok(Alternative {
-            light,
-            is_from_light,
-            automaton,
-        })
+        // All are read from the eye on.
+        let row = if is_from_light { row.reversed() } else { row };
+        let automaton = Automaton::new(&row).ok_or_else(|| self.error(TOO_LARGE))?;
+        Ok((light, automaton))
     }
 
     /// `L` or `E`.
@@ -117,8 +158,8 @@ impl Reader<'_> {
         let at = self.at;
         match self.name()? {
             None => Ok(Light::Any),
-            Some(name) if name == ENVIRONMENT => Ok(Light::Environment),
-            Some(name) => Ok(Light::Emitters(self.materials(&name, at)?)),
+            Some(name) if name == ENVIRONMENT => Ok(Light::Sources(vec![Source::Environment])),
+            Some(name) => Ok(Light::Sources(self.sources(&name, at)?)),
         }
     }
 
@@ -299,9 +340,23 @@ impl Reader<'_> {
         Ok(Some(name))
     }
 
+    /// The materials and lights of a name that was read at `at`.
+    fn sources(&mut self, name: &str, at: usize) -> Result<Vec<Source>, ExpressionError> {
+        let materials = (self.names.materials)(name).into_iter();
+        let lights = (self.names.lights)(name).into_iter();
+        let materials = materials.map(Source::Material);
+        let found: Vec<Source> = materials.chain(lights.map(Source::Punctual)).collect();
+        if found.is_empty() {
+            self.at = at;
+            let what = format!("no material or light of the scene is called '{name}'");
+            return Err(self.error(what));
+        }
+        Ok(found)
+    }
+
     /// The materials of a name that was read at `at`.
     fn materials(&mut self, name: &str, at: usize) -> Result<Vec<u32>, ExpressionError> {
-        let found = (self.named)(name);
+        let found = (self.names.materials)(name);
         if found.is_empty() {
             self.at = at;
             return Err(self.error(format!("no material of the scene is called '{name}'")));

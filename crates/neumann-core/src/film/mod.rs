@@ -7,6 +7,7 @@
 //! curve and false colour happen on the way to the screen.
 
 mod batch_means;
+mod classes;
 pub mod contribution;
 pub mod features;
 #[allow(clippy::module_inception, reason = "the Film itself")]
@@ -14,18 +15,22 @@ mod film;
 mod fireflies;
 mod frame;
 mod layer_spread;
+mod light_groups;
 mod means;
 mod sample_map;
 pub mod techniques;
 mod tile;
 pub mod view;
 
+pub use classes::{ClassError, ClassFilm, PathClasses};
+pub(crate) use classes::{ClassRecord, ClassShape};
 pub use contribution::{Contribution, Joint, Strategy};
 pub use features::Features;
 pub use film::{Film, FilmError, Spread};
 pub use fireflies::Firefly;
 pub use frame::{Frame, PhotonReport};
 pub(crate) use frame::{LitLayers, Slot, TILE, TILE_PIXELS, TileBounds, TileGrid, add_to_tile};
+pub use light_groups::{LightGroup, LightGroupError};
 pub use sample_map::SampleMap;
 pub use techniques::{TechniqueCell, TechniqueFilm, TechniqueImage, TechniqueRow, TechniqueTable};
 pub(crate) use tile::{FilmTile, NextFilm};

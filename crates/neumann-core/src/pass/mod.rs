@@ -13,12 +13,13 @@ mod pixels;
 mod sample_counts;
 mod sink;
 mod tiles;
+mod whole_path;
 
 pub use cancel::{CancelToken, Cancelled};
 pub(crate) use coverage::Coverage;
 pub use light_paths::{Collected, LightNumbers, LightPaths};
+pub(crate) use observer::{ClassPlan, LightPathsSeen, Plan, ReplayPlan, Seen};
 pub use observer::{PathId, Replayed};
-pub(crate) use observer::{Plan, Seen};
 pub use pixels::{PixelPath, PixelSample, Pixels, Splits};
 pub use sample_counts::SampleCounts;
 pub use sink::{Gather, PixelPlace, PixelSink, Sink};
@@ -30,7 +31,7 @@ use rayon::prelude::*;
 use self::sink::{SinkShape, Yield, add_splats};
 use crate::endpoint::Camera;
 use crate::film::techniques::TechniqueFilm;
-use crate::film::{Frame, LitLayers, NextFilm, PhotonReport};
+use crate::film::{ClassFilm, Frame, LitLayers, NextFilm, PhotonReport};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::transport::Tracer;
@@ -40,7 +41,7 @@ const CHUNK: usize = 256;
 /// Tasks after which splats are added up, so that they never take much memory: as many paths as a
 /// film of 1024×1024 has pixels,
 const ROUND: usize = 4096;
-/// and fewer while techniques are recorded.
+/// and fewer while techniques or classes are recorded.
 const RECORDING_ROUND: usize = 256;
 
 /// What the paths of a pass depend on.
@@ -69,10 +70,12 @@ pub struct Pass<'a> {
     samples: SampleCounts,
     n_splits: u8,
     is_alone: bool,
-    /// What is looked at, where an iteration is replayed,
+    /// What is looked at, where somebody looks at paths,
     plan: Option<Plan>,
-    /// and what was seen so far.
+    /// what was seen so far,
     seen: Seen,
+    /// and where classes of paths are kept.
+    classes: Option<&'a mut ClassFilm>,
 }
 
 impl<'a> Pass<'a> {
@@ -99,6 +102,7 @@ impl<'a> Pass<'a> {
             is_alone: false,
             plan: None,
             seen: Seen::default(),
+            classes: None,
         }
     }
 
@@ -113,9 +117,24 @@ impl<'a> Pass<'a> {
         self.plan = Some(plan.clone());
     }
 
+    /// Keeps classes apart, by paths that walk alone.
+    pub(crate) fn classify(&mut self, plan: ClassPlan, film: &'a mut ClassFilm) {
+        self.is_alone = true;
+        self.plan = Some(Plan::Classify(plan));
+        self.classes = Some(film);
+    }
+
     /// What was seen.
     pub(crate) fn into_seen(self) -> Seen {
         self.seen
+    }
+
+    /// What classes were told by.
+    pub(crate) fn into_class_plan(self) -> Option<ClassPlan> {
+        match self.plan? {
+            Plan::Classify(plan) => Some(plan),
+            Plan::Replay(_) => None,
+        }
     }
 
     /// True if no tile of the film is missing.
@@ -311,7 +330,7 @@ impl<'a> Pass<'a> {
         F: Fn(usize, &mut Tracer<'s>, &Sampler<'_>, &mut Sink<'_>, &mut Vec<T>) + Sync,
     {
         let mut collected = Collected::default();
-        self.trace_chunks(
+        self.trace_kept_chunks(
             scene,
             n_paths,
             |range, tracer, sink| {
@@ -347,7 +366,7 @@ impl<'a> Pass<'a> {
         F: Fn(LightPaths, &mut Tracer<'s>, &mut Sink<'_>, &mut Vec<(u32, T)>) + Sync,
     {
         collected.ends.clear();
-        self.trace_chunks(
+        self.trace_kept_chunks(
             scene,
             n_paths,
             |range, tracer, sink| {
@@ -383,7 +402,27 @@ impl<'a> Pass<'a> {
             n_paths,
             |range, tracer, sink| paths(LightPaths { numbers, range }, tracer, sink),
             |_| (),
+            false,
         )
+    }
+
+    /// As [`Self::trace_chunks`], of paths that later ones may be joined to.
+    fn trace_kept_chunks<'s, T, F>(
+        &mut self,
+        scene: &'s Scene,
+        n_paths: usize,
+        paths: F,
+        take: impl FnMut(Vec<T>),
+    ) -> Result<(), Cancelled>
+    where
+        T: Default + Send,
+        F: Fn(Range<usize>, &mut Tracer<'s>, &mut Sink<'_>) -> T + Sync,
+    {
+        self.trace_chunks(scene, n_paths, paths, take, true)?;
+        if let Some(plan) = &mut self.plan {
+            plan.joins(&mut self.seen.light_paths);
+        }
+        Ok(())
     }
 
     /// Runs `paths` for every so many of `n_paths` light paths, and hands what it makes to `take`,
@@ -394,6 +433,7 @@ impl<'a> Pass<'a> {
         n_paths: usize,
         paths: F,
         mut take: impl FnMut(Vec<T>),
+        hands_on: bool,
     ) -> Result<(), Cancelled>
     where
         T: Default + Send,
@@ -410,7 +450,8 @@ impl<'a> Pass<'a> {
                     if cancel.is_cancelled() {
                         return (Yield::default(), T::default());
                     }
-                    let (trail, observer) = plan.as_ref().map(Plan::observer).unzip();
+                    let observer = plan.as_ref().map(|plan| plan.observer(hands_on));
+                    let (trail, observer) = observer.unzip();
                     let mut tracer = Tracer::new(scene).observed(trail);
                     let mut lit = LitLayers::default();
                     let mut sink =
@@ -433,10 +474,8 @@ impl<'a> Pass<'a> {
 
     /// Cuts tasks into rounds.
     fn rounds(&self, n_tasks: usize) -> Vec<Range<usize>> {
-        let length = match self.techniques {
-            Some(_) => RECORDING_ROUND,
-            None => ROUND,
-        };
+        let is_recording = self.techniques.is_some() || self.classes.is_some();
+        let length = if is_recording { RECORDING_ROUND } else { ROUND };
         (0..n_tasks.div_ceil(length))
             .map(|i| i * length..((i + 1) * length).min(n_tasks))
             .collect()
@@ -455,6 +494,9 @@ impl<'a> Pass<'a> {
             self.frame.n_refused += part.n_refused;
             self.frame.n_rays += part.n_rays;
             if let Some(seen) = part.seen {
+                if let Some(classes) = &mut self.classes {
+                    classes.take(&seen.records);
+                }
                 self.seen.extend(seen);
             }
         }

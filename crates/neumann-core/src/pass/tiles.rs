@@ -51,7 +51,7 @@ impl Pass<'_> {
         let plan = self.plan.clone();
         let background = background.filter(|_| plan.is_none());
         let trace = |room: &mut R, number: usize, own: PixelSink<'_>| {
-            let (trail, observer) = plan.as_ref().map(Plan::observer).unzip();
+            let (trail, observer) = plan.as_ref().map(|plan| plan.observer(false)).unzip();
             let mut tracer = Tracer::new(scene).observed(trail);
             let mut sink = Sink::new(own.observed(observer));
             let bounds = grid.bounds(number);
@@ -67,8 +67,7 @@ impl Pass<'_> {
                 .flat_map(|sample| samples.numbers((number, bounds), keys, sample, n_splits))
                 .collect();
             let numbers = (numbers.as_slice(), usize::from(n_splits));
-            let only = plan.as_ref().filter(|plan| plan.only_these);
-            let only = only.map(|plan| &*plan.pixels);
+            let only = plan.as_ref().and_then(Plan::only);
             let pixels = Pixels::new(numbers, bounds, width, cancel).only(only);
             paths(room, pixels, &mut tracer, &mut sink);
             sink.into_yield(tracer.n_rays())

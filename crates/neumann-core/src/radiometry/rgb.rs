@@ -93,6 +93,17 @@ impl Rgb {
         Self::new(f(self.r), f(self.g), f(self.b))
     }
 
+    /// Quotient by channel; 0 where the divisor is.
+    #[must_use]
+    pub fn over(self, divisor: Self) -> Self {
+        let quotient = |a: f32, b: f32| if b == 0.0 { 0.0 } else { a / b };
+        Self::new(
+            quotient(self.r, divisor.r),
+            quotient(self.g, divisor.g),
+            quotient(self.b, divisor.b),
+        )
+    }
+
     /// Linear interpolation from `self` (t = 0) to `other` (t = 1).
     #[inline]
     #[must_use]

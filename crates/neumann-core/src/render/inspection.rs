@@ -10,11 +10,12 @@ use std::collections::BTreeMap;
 use super::Replayed;
 use crate::film::{Joint, Strategy};
 use crate::radiometry::Rgb;
-use crate::scene::Scene;
-use crate::transport::Bounce;
+use crate::transport::{Bounce, Source};
 
 /// A normal variable is within so many deviations of its mean, 95 times of 100.
 const DEVIATIONS: f64 = 1.96;
+/// Ways that a single path is taken apart into, at most.
+const MAX_WAYS_OF_PATH: usize = 64;
 /// Bins of the distribution for each factor of ten.
 const BINS: f64 = 4.0;
 
@@ -28,7 +29,7 @@ pub struct Inspection {
     techniques: BTreeMap<(u32, u8, u16), (Strategy, Sum)>,
     n_zeros: u32,
     bins: BTreeMap<i32, u32>,
-    ways: BTreeMap<(Vec<Bounce>, Option<u32>), Way>,
+    ways: BTreeMap<(Vec<Bounce>, Option<Source>), Way>,
     paths: Vec<(u32, Replayed)>,
 }
 
@@ -59,8 +60,8 @@ pub struct SampleCount {
 pub struct WayShare<'a> {
     /// What happened.
     pub bounces: &'a [Bounce],
-    /// Index of the material that the light is emitted by, if it comes from a surface.
-    pub emitter: Option<u32>,
+    /// What the light comes from.
+    pub source: Option<Source>,
     /// Its part of the mean luminance of the pixel.
     pub luminance: f64,
     /// Contributions.
@@ -118,7 +119,7 @@ impl Inspection {
     pub const MAX_WAYS: usize = 4096;
 
     /// Adds what an iteration brings to the pixel.
-    pub fn add(&mut self, scene: &Scene, iteration: u32, replayed: Vec<Replayed>) {
+    pub fn add(&mut self, iteration: u32, replayed: Vec<Replayed>) {
         self.n_iterations += 1;
         self.n_paths += replayed.len() as u64;
         for path in &replayed {
@@ -135,7 +136,9 @@ impl Inspection {
                 .or_insert((strategy, Sum::default()))
                 .1
                 .add(value);
-            self.add_way((path.bounces(), path.emitter(scene)), value);
+            for (bounces, share) in ways_of(path) {
+                self.add_way((bounces, path.source()), value * share);
+            }
         }
         let luminance = f64::from(self.total.latest.luminance());
         if luminance > 0.0 {
@@ -151,7 +154,7 @@ impl Inspection {
         self.keep(iteration, replayed);
     }
 
-    fn add_way(&mut self, key: (Vec<Bounce>, Option<u32>), value: Rgb) {
+    fn add_way(&mut self, key: (Vec<Bounce>, Option<Source>), value: Rgb) {
         if self.ways.len() >= Self::MAX_WAYS && !self.ways.contains_key(&key) {
             return;
         }
@@ -218,9 +221,9 @@ impl Inspection {
         let mut ways: Vec<_> = self
             .ways
             .iter()
-            .map(|((bounces, emitter), way)| WayShare {
+            .map(|((bounces, source), way)| WayShare {
                 bounces,
-                emitter: *emitter,
+                source: *source,
                 luminance: way.luminance / n,
                 n_paths: way.n_paths,
             })
@@ -241,6 +244,31 @@ impl Inspection {
     pub fn n_paths(&self) -> u64 {
         self.n_paths
     }
+}
+
+/// The ways that a path has taken, with the share of each: where two lobes scatter the same way,
+/// there is one for either, up to [`MAX_WAYS_OF_PATH`].
+fn ways_of(path: &Replayed) -> Vec<(Vec<Bounce>, Rgb)> {
+    let mut ways = vec![(Vec::new(), Rgb::WHITE)];
+    for scattered in path.scattered() {
+        if 2 * ways.len() > MAX_WAYS_OF_PATH {
+            ways.iter_mut()
+                .for_each(|(way, _)| way.push(scattered.bounce));
+            continue;
+        }
+        let before = std::mem::take(&mut ways);
+        for (lobe, share) in scattered.lobes() {
+            let bounce = Bounce {
+                lobe,
+                ..scattered.bounce
+            };
+            ways.extend(before.iter().map(|(way, so_far)| {
+                let way = way.iter().copied().chain([bounce]).collect();
+                (way, *so_far * share)
+            }));
+        }
+    }
+    ways
 }
 
 /// Bounce by bounce, merges last, then by the vertices of the light's part.

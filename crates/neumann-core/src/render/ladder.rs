@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::job::{Job, StopRule};
 use super::summary::{Looks, technique_divisor};
 use super::{CancelToken, Cancelled, IterationTimes, Renderer, WorkerPool};
-use crate::film::TechniqueFilm;
+use crate::film::{ClassFilm, PathClasses, TechniqueFilm};
 use crate::integrator::Method;
 
 /// A frame on the ladder should be there within this time.
@@ -16,6 +16,56 @@ const COARSE_SECONDS: f64 = 0.020;
 pub(super) struct Wanted {
     pub(super) photons: bool,
     pub(super) features: bool,
+}
+
+/// What iterations keep apart beside the bounces.
+#[derive(Clone, Default)]
+pub(super) struct Recording {
+    pub(super) techniques: bool,
+    pub(super) classes: Option<Arc<PathClasses>>,
+}
+
+impl Recording {
+    /// True if the other keeps the same classes.
+    fn has_classes_of(&self, renderer: &Renderer) -> bool {
+        match (&self.classes, renderer.classes()) {
+            (Some(wanted), Some(kept)) => Arc::ptr_eq(wanted, kept.classes()),
+            (wanted, kept) => wanted.is_none() && kept.is_none(),
+        }
+    }
+
+    /// Lets a renderer keep this and no more.
+    pub(super) fn start(&self, renderer: &mut Renderer) {
+        if self.techniques != renderer.techniques().is_some() {
+            let divisor = technique_divisor(renderer.settings());
+            renderer.record_techniques(self.techniques.then_some(divisor));
+        }
+        if !self.has_classes_of(renderer) {
+            renderer.keep_classes(self.classes.clone());
+        }
+    }
+
+    /// Iterations of which a renderer has kept all of this.
+    fn n_known(&self, renderer: &Renderer) -> u32 {
+        let techniques = renderer.techniques().map_or(0, TechniqueFilm::n_iterations);
+        let classes = renderer.classes().map_or(0, ClassFilm::n_iterations);
+        let of_classes = if self.has_classes_of(renderer) {
+            classes
+        } else {
+            0
+        };
+        let techniques = if self.techniques {
+            techniques
+        } else {
+            u32::MAX
+        };
+        let of_classes = if self.classes.is_some() {
+            of_classes
+        } else {
+            u32::MAX
+        };
+        techniques.min(of_classes)
+    }
 }
 
 /// How long the latest iteration took.
@@ -39,7 +89,7 @@ pub(super) struct Climb {
     pub(super) seconds: f64,
     /// Of iterations of this rung.
     pub(super) times: IterationTimes,
-    /// Runs iterations once more for their techniques, which were not asked for at the time.
+    /// Runs iterations once more for what is kept apart, which was not asked for at the time.
     recorder: Option<Renderer>,
     /// Whether photons are drawn.
     draws_photons: bool,
@@ -107,24 +157,31 @@ impl Climb {
     }
 
     /// The renderer that runs iterations of a job that is done once more, from the first one on,
-    /// for their techniques.
-    pub(super) fn recorder(&mut self, job: &Job, pool: &WorkerPool) -> &mut Renderer {
+    /// for what is to be kept apart.
+    pub(super) fn recorder(
+        &mut self,
+        job: &Job,
+        pool: &WorkerPool,
+        recording: &Recording,
+    ) -> &mut Renderer {
+        // What was kept of other iterations is of no use for these.
+        self.recorder
+            .take_if(|recorder| recording.n_known(recorder) == 0);
         let recorder = self.recorder.get_or_insert_with(|| {
             let mut recorder = renderer(job, 1, pool);
-            recorder.record_techniques(Some(technique_divisor(&job.settings)));
+            recording.start(&mut recorder);
             recorder
         });
         recorder.take_scene(&job.scene);
         recorder
     }
 
-    /// True if iterations are in the film of whose techniques nothing is known. Where some were
-    /// kept while the film was rendered, these have to do.
-    pub(super) fn lacks_techniques(&self) -> bool {
-        let n_known = |renderer: &Renderer| renderer.techniques().map(TechniqueFilm::n_iterations);
+    /// True if iterations are in the film of which nothing was kept that is wanted. Where some was
+    /// kept while the film was rendered, that has to do.
+    pub(super) fn lacks(&self, recording: &Recording) -> bool {
         match (&self.recorder, &self.renderer) {
-            (Some(recorder), _) => n_known(recorder).is_some_and(|n| n < self.n_iterations),
-            (None, Some(renderer)) => n_known(renderer).is_none_or(|n| n == 0),
+            (Some(recorder), _) => recording.n_known(recorder) < self.n_iterations,
+            (None, Some(renderer)) => recording.n_known(renderer) == 0,
             (None, None) => false,
         }
     }

@@ -12,10 +12,10 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 
 use super::job::{Job, StopRule};
-use super::ladder::{Climb, Pace, Wanted};
-use super::summary::{Errors, Published, SUMMARY_PERIOD, Stats, Summary, technique_divisor};
-use super::{CancelToken, Renderer, WorkerPool};
-use crate::film::Film;
+use super::ladder::{Climb, Pace, Recording, Wanted};
+use super::summary::{Apart, Errors, Published, SUMMARY_PERIOD, Stats, Summary};
+use super::{CancelToken, WorkerPool};
+use crate::film::{Film, PathClasses};
 use crate::scene::Scene;
 
 /// The background renderer; dropping it stops it.
@@ -36,7 +36,7 @@ struct Control {
     job: Option<Job>,
     generation: u64,
     is_paused: bool,
-    is_recording: bool,
+    recording: Recording,
     wanted: Wanted,
     has_quit: bool,
     cancel: CancelToken,
@@ -57,7 +57,7 @@ impl RenderLoop {
                 job: None,
                 generation: 0,
                 is_paused: false,
-                is_recording: false,
+                recording: Recording::default(),
                 wanted: Wanted::default(),
                 has_quit: false,
                 cancel: CancelToken::default(),
@@ -74,6 +74,7 @@ impl RenderLoop {
                 layer_errors: Vec::new(),
                 thumbnails_version: 0,
                 techniques: None,
+                classes: None,
                 photons: None,
                 features: None,
                 samples: None,
@@ -119,7 +120,17 @@ impl RenderLoop {
     /// techniques alone. It costs time and memory ([`bytes`](crate::film::TechniqueFilm::bytes)),
     /// so it is for as long as somebody looks.
     pub fn record_techniques(&self, is_on: bool) {
-        self.shared.control().is_recording = is_on;
+        self.shared.control().recording.techniques = is_on;
+        self.shared.wake.notify_all();
+    }
+
+    /// Begins to keep classes of paths apart, at full resolution of the ladder, or others than
+    /// before, or ends it. Where the job is done already, its iterations are run once more for
+    /// their classes alone. It costs time and memory
+    /// ([`Renderer::keep_classes`](super::Renderer::keep_classes),
+    /// [`bytes`](crate::film::ClassFilm::bytes)).
+    pub fn keep_classes(&self, classes: Option<Arc<PathClasses>>) {
+        self.shared.control().recording.classes = classes;
         self.shared.wake.notify_all();
     }
 
@@ -233,8 +244,7 @@ impl Shared {
             }
             if let Some(job) = &control.job {
                 let is_new = control.generation != climb.generation;
-                let is_wanted =
-                    !climb.is_done(job.stop) || (control.is_recording && climb.lacks_techniques());
+                let is_wanted = !climb.is_done(job.stop) || climb.lacks(&control.recording);
                 let iterates = (is_new || is_wanted) && !control.is_paused;
                 let owes_word = !is_new && climb.owes_word(job.stop);
                 if iterates || owes_word || (!is_new && climb.owes(control.wanted)) {
@@ -244,7 +254,7 @@ impl Shared {
                         job: job.clone(),
                         generation: control.generation,
                         cancel: control.cancel.clone(),
-                        is_recording: control.is_recording,
+                        recording: control.recording.clone(),
                         wanted: control.wanted,
                     });
                 }
@@ -261,7 +271,7 @@ struct Task {
     job: Job,
     generation: u64,
     cancel: CancelToken,
-    is_recording: bool,
+    recording: Recording,
     wanted: Wanted,
     /// False where something is to be drawn for whoever looks, and no more.
     iterates: bool,
@@ -302,9 +312,8 @@ fn run(shared: &Shared, pool: &WorkerPool) {
         let renderer = climb.renderer(&task.job, pool);
         let (width, height) = (renderer.settings().width, renderer.settings().height);
         let n_pixels = width * height;
-        let records = task.is_recording && divisor == 1;
-        if records != renderer.techniques().is_some() {
-            renderer.record_techniques(records.then(|| technique_divisor(renderer.settings())));
+        if divisor == 1 {
+            task.recording.start(renderer);
         }
         let fresh = is_first.then(|| Film::new(width, height, renderer.settings().n_layers));
         let iteration = {
@@ -353,10 +362,10 @@ fn run(shared: &Shared, pool: &WorkerPool) {
             let renderer = climb.renderer.as_ref();
             let errors = renderer.map(|renderer| Errors::of(renderer, &published.film));
             let errors = errors.unwrap_or_default();
-            let techniques = renderer.and_then(Renderer::techniques);
+            let apart = Apart::of(renderer);
             let samples = renderer.map(|renderer| Arc::new(renderer.samples().clone()));
             let looks = climb.looks.clone();
-            pool.run(|| Summary::of(&published.film, errors, techniques, looks, samples))
+            pool.run(|| Summary::of(&published.film, errors, apart, looks, samples))
         });
         if summary.is_some() {
             // Rungs of the ladder do not delay the next summary.
@@ -379,7 +388,7 @@ fn run(shared: &Shared, pool: &WorkerPool) {
     }
 }
 
-/// Runs an iteration of a film that is done once more, for its techniques.
+/// Runs an iteration of a film that is done once more, for what is kept apart.
 fn record_once_more(
     shared: &Shared,
     pool: &WorkerPool,
@@ -387,20 +396,15 @@ fn record_once_more(
     task: &Task,
     summarised: &mut Option<Instant>,
 ) {
-    if climb
-        .recorder(&task.job, pool)
-        .iterate(&task.cancel)
-        .is_err()
-    {
+    let recorder = climb.recorder(&task.job, pool, &task.recording);
+    if recorder.iterate(&task.cancel).is_err() {
         return;
     }
-    let is_last = !climb.lacks_techniques();
+    let is_last = !climb.lacks(&task.recording);
     if !is_last && summarised.is_some_and(|t| t.elapsed() < SUMMARY_PERIOD) {
         return;
     }
-    let Some(techniques) = climb.recorder(&task.job, pool).techniques() else {
-        return;
-    };
+    let apart = Apart::of(Some(climb.recorder(&task.job, pool, &task.recording)));
     *summarised = Some(Instant::now());
     let (stats, summary) = {
         let published = shared.published();
@@ -409,8 +413,7 @@ fn record_once_more(
             of_layers: published.layer_errors.clone(),
         };
         let (looks, samples) = (published.looks(), published.samples.clone());
-        let summary =
-            pool.run(|| Summary::of(&published.film, errors, Some(techniques), looks, samples));
+        let summary = pool.run(|| Summary::of(&published.film, errors, apart, looks, samples));
         (published.stats, summary)
     };
     shared.publish(|published| published.take(stats, Some(summary)));

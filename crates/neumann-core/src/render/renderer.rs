@@ -5,9 +5,13 @@ use std::sync::Arc;
 use super::adaptive::Adaptive;
 use super::{RenderSettings, WorkerPool, photons};
 use crate::endpoint::Camera;
-use crate::film::{Features, Film, Frame, NextFilm, PhotonReport, SampleMap, TechniqueFilm};
+use crate::film::{
+    ClassFilm, Features, Film, Frame, NextFilm, PathClasses, PhotonReport, SampleMap, TechniqueFilm,
+};
 use crate::integrator::{Integrator, PixelIntegrator, Shot};
-use crate::pass::{CancelToken, Cancelled, Coverage, Pass, Plan, Seen};
+use crate::pass::{
+    CancelToken, Cancelled, ClassPlan, Coverage, LightPathsSeen, Pass, Plan, ReplayPlan, Seen,
+};
 use crate::photons::{PhotonMap, PhotonPicture};
 use crate::scene::Scene;
 
@@ -31,7 +35,15 @@ pub struct Renderer {
     spare: Option<Film>,
     coverage: Coverage,
     techniques: Option<TechniqueFilm>,
+    classes: Option<Classes>,
     is_alone: bool,
+}
+
+/// Classes of paths that are kept apart.
+struct Classes {
+    film: ClassFilm,
+    /// Light paths of the latest iteration that traced some.
+    light_paths: Arc<LightPathsSeen>,
 }
 
 impl Renderer {
@@ -56,6 +68,7 @@ impl Renderer {
             spare: None,
             next_iteration: first_iteration,
             techniques: None,
+            classes: None,
             is_alone: false,
             scene,
             settings,
@@ -94,6 +107,27 @@ impl Renderer {
     #[must_use]
     pub fn techniques(&self) -> Option<&TechniqueFilm> {
         self.techniques.as_ref()
+    }
+
+    /// Begins to keep classes of paths apart, or ends it. Paths walk one by one meanwhile, as
+    /// [`Self::trace_alone`] says, which takes longer; and the vertices of an iteration's light
+    /// paths are kept, if others are joined to them: about 160 bytes each.
+    pub fn keep_classes(&mut self, classes: Option<Arc<PathClasses>>) {
+        let s = &self.settings;
+        self.classes = classes.map(|classes| Classes {
+            film: ClassFilm::new(s.width, s.height, s.n_layers, classes),
+            light_paths: Arc::default(),
+        });
+        if self.classes.is_some() {
+            // Photons that were traced once for all iterations are traced once more, to be seen.
+            self.integrator = (s.method.build)(&s.values);
+        }
+    }
+
+    /// The classes since [`Self::keep_classes`].
+    #[must_use]
+    pub fn classes(&self) -> Option<&ClassFilm> {
+        self.classes.as_ref().map(|classes| &classes.film)
     }
 
     /// Paths from the camera of each pixel, in the iterations that it has run.
@@ -194,16 +228,16 @@ impl Renderer {
     pub(super) fn observe(
         &self,
         iteration: u32,
-        plan: &Plan,
+        plan: &ReplayPlan,
         cancel: &CancelToken,
     ) -> Result<Seen, Cancelled> {
         let settings = &self.settings;
         let mut integrator = (settings.method.build)(&settings.values);
         let mut adaptive = adaptive_of(&integrator);
-        let plan = Plan {
+        let plan = Plan::Replay(ReplayPlan {
             only_these: integrator.adds_to_own_pixels() && adaptive.is_none(),
             ..plan.clone()
-        };
+        });
         let mut frame = Frame::new(settings.width, settings.height, settings.n_layers);
         let (camera, coverage) = (&self.camera, &self.coverage);
         let into = (&mut frame, None);
@@ -279,6 +313,16 @@ impl Renderer {
             self.techniques.as_mut(),
         );
         pass.trace_alone(self.is_alone);
+        let mut known = None;
+        if let Some(classes) = &mut self.classes {
+            let plan = ClassPlan {
+                classes: Arc::clone(classes.film.classes()),
+                shape: classes.film.shape(),
+                light_paths: Arc::clone(&classes.light_paths),
+            };
+            pass.classify(plan, &mut classes.film);
+            known = Some(&mut classes.light_paths);
+        }
         let (integrator, scene) = (&mut self.integrator, &*self.scene);
         let adaptive = self.adaptive.as_mut();
         let outcome = self
@@ -289,9 +333,18 @@ impl Renderer {
             if let Some(techniques) = &mut self.techniques {
                 *techniques = techniques.emptied();
             }
+            if let Some(classes) = &mut self.classes {
+                classes.film = classes.film.emptied();
+            }
             return Err(cancelled);
         }
         debug_assert!(pass.is_whole(), "every tile is traced");
+        if let (Some(known), Some(plan)) = (known, pass.into_class_plan()) {
+            *known = plan.light_paths;
+        }
+        if let Some(classes) = &mut self.classes {
+            classes.film.end_iteration();
+        }
         if let Some(techniques) = &mut self.techniques {
             techniques.end_iteration();
         }

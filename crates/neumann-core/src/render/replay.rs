@@ -10,7 +10,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 use super::Renderer;
-use crate::pass::{CancelToken, Cancelled, PathId, Plan, Replayed};
+use crate::pass::{CancelToken, Cancelled, PathId, ReplayPlan, Replayed};
 
 impl Renderer {
     /// Every contribution that an iteration makes to some pixels (columns and rows), with its
@@ -28,9 +28,9 @@ impl Renderer {
         pixels: &[[u32; 2]],
         cancel: &CancelToken,
     ) -> Result<Vec<Vec<Replayed>>, Cancelled> {
-        let mut plan = Plan {
+        let mut plan = ReplayPlan {
             pixels: Arc::new(pixels.iter().copied().collect()),
-            ..Plan::default()
+            ..ReplayPlan::default()
         };
         let mut seen = self.observe(iteration, &plan, cancel)?;
         let joined: HashSet<u32> = seen.found.iter().filter_map(|f| f.light_path).collect();
@@ -45,7 +45,7 @@ impl Renderer {
                 .light_path
                 .and_then(|path| seen.light_paths.get(&path))
             {
-                replayed.light.extend(light.iter().copied());
+                replayed.light.extend(light.iter().cloned());
                 replayed
                     .light
                     .truncate(usize::from(replayed.contribution.strategy.s));

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::{RenderSettings, Renderer};
-use crate::film::{Features, Film, PhotonReport, SampleMap, TechniqueFilm};
+use crate::film::{ClassFilm, Features, Film, PhotonReport, SampleMap, TechniqueFilm};
 use crate::photons::PhotonPicture;
 use crate::radiometry::Rgb;
 
@@ -59,6 +59,9 @@ pub struct Published {
     /// The techniques apart, renewed with the thumbnails while
     /// [`record_techniques`](super::RenderLoop::record_techniques) is on.
     pub techniques: Option<Arc<TechniqueFilm>>,
+    /// Classes of paths apart, renewed with the thumbnails while
+    /// [`keep_classes`](super::RenderLoop::keep_classes) is on.
+    pub classes: Option<Arc<ClassFilm>>,
     /// The photons of the latest iteration as the camera sees them, renewed with the thumbnails
     /// while [`draw_photons`](super::RenderLoop::draw_photons) is on; smaller as the film is.
     pub photons: Option<Arc<PhotonPicture>>,
@@ -91,9 +94,28 @@ pub(super) struct Summary {
     thumbnails: Vec<Thumbnail>,
     energy_shares: Vec<f64>,
     errors: Errors,
-    techniques: Option<Arc<TechniqueFilm>>,
+    apart: Apart,
     looks: Looks,
     samples: Option<Arc<SampleMap>>,
+}
+
+/// What is kept apart beside the bounces.
+#[derive(Clone, Default)]
+pub(super) struct Apart {
+    techniques: Option<Arc<TechniqueFilm>>,
+    classes: Option<Arc<ClassFilm>>,
+}
+
+impl Apart {
+    /// By a renderer.
+    pub(super) fn of(renderer: Option<&Renderer>) -> Self {
+        let techniques = renderer.and_then(Renderer::techniques);
+        let classes = renderer.and_then(Renderer::classes);
+        Self {
+            techniques: techniques.map(|techniques| Arc::new(techniques.clone())),
+            classes: classes.map(|classes| Arc::new(classes.clone())),
+        }
+    }
 }
 
 /// How uncertain a film is.
@@ -125,7 +147,7 @@ impl Summary {
     pub(super) fn of(
         film: &Film,
         errors: Errors,
-        techniques: Option<&TechniqueFilm>,
+        apart: Apart,
         looks: Looks,
         samples: Option<Arc<SampleMap>>,
     ) -> Self {
@@ -135,7 +157,7 @@ impl Summary {
                 .collect(),
             energy_shares: film.energy_shares(),
             errors,
-            techniques: techniques.map(|techniques| Arc::new(techniques.clone())),
+            apart,
             looks,
             samples,
         }
@@ -170,7 +192,8 @@ impl Published {
             self.layer_errors = summary.errors.of_layers;
             self.thumbnails = summary.thumbnails;
             self.energy_shares = summary.energy_shares;
-            self.techniques = summary.techniques;
+            self.techniques = summary.apart.techniques;
+            self.classes = summary.apart.classes;
             self.look(summary.looks);
             self.samples = summary.samples;
             self.thumbnails_version += 1;

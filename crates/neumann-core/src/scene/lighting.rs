@@ -106,8 +106,14 @@ pub(super) fn lights(
             }
         }
     }
-    for (light, level) in appearance.lights.iter().zip(&appearance.light_levels) {
-        lights.extend(punctual(light, level.factor()));
+    let first_punctual = lights.len();
+    let mut numbers = Vec::new();
+    let levels = appearance.light_levels.iter();
+    for ((light, level), number) in appearance.lights.iter().zip(levels).zip(0..) {
+        if let Some(light) = punctual(light, level.factor()) {
+            lights.push(light);
+            numbers.push(number);
+        }
     }
     if let Some(map) = &appearance.environment {
         let level = appearance.environment_level.factor();
@@ -127,6 +133,7 @@ pub(super) fn lights(
         })
         .max();
     Lights::with_instances(lights, instances, n_triangles.unwrap_or(0), bounds)
+        .with_punctual(first_punctual, numbers)
 }
 
 /// A mesh of which lights may be made.

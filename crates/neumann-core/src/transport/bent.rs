@@ -28,6 +28,7 @@ use crate::sampling::discrete::one_of_two;
 /// The two normals at a point. Directions are in the shading frame, but for those of the methods
 /// that
 /// the vertex calls.
+#[derive(Debug)]
 pub(super) struct Bent {
     frame: Frame,
     /// The geometric normal.

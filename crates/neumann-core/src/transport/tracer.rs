@@ -216,13 +216,17 @@ impl<'a> Tracer<'a> {
         let mut transmittance = 1.0;
         for hit in self.crossings(ray) {
             let opacity = self.opacity(ray, &hit);
-            sum += self.emitted(&self.surface_vertex(ray, &hit)) * (transmittance * opacity);
+            let emitted = self.emitted(&self.surface_vertex(ray, &hit)) * (transmittance * opacity);
+            self.note_source(Some(hit.triangle), emitted);
+            sum += emitted;
             transmittance *= 1.0 - opacity;
             if transmittance == 0.0 {
                 return sum;
             }
         }
-        sum + self.scene.lights().environment_radiance(ray.direction()) * transmittance
+        let beyond = self.scene.lights().environment_radiance(ray.direction()) * transmittance;
+        self.note_source(None, beyond);
+        sum + beyond
     }
 
     #[inline(never)]

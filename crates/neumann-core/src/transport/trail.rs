@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::{SurfaceVertex, Tracer, VertexSample};
+use super::{Lobe, Lobes, SurfaceVertex, Tracer, VertexSample};
 use crate::bsdf::TransportMode;
 use crate::endpoint::{Aim, Start};
 use crate::math::Ray;
@@ -32,27 +32,16 @@ pub enum VertexKind {
     Surface,
 }
 
-/// The part of a BSDF that scatters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Lobe {
-    /// Alike in all directions.
-    Diffuse,
-    /// Around a direction.
-    Glossy,
-    /// In a single direction.
-    Specular,
-}
-
-impl Lobe {
-    fn of(vertex: &SurfaceVertex<'_>, is_delta: bool) -> Self {
-        if is_delta || !vertex.bsdf.has_density() {
-            Self::Specular
-        } else if vertex.bsdf.roughness() >= 1.0 {
-            Self::Diffuse
-        } else {
-            Self::Glossy
-        }
-    }
+/// What light comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Source {
+    /// A surface of this material.
+    Material(u32),
+    /// A light of no extent in the scene or in direction, by its number among those of
+    /// [`Appearance::lights`](crate::scene::Appearance::lights).
+    Punctual(u32),
+    /// The environment.
+    Environment,
 }
 
 /// How a path leaves a vertex.
@@ -60,8 +49,10 @@ impl Lobe {
 pub struct Event {
     /// Direction to the next vertex, unit.
     pub wi: Vec3,
-    /// What scatters.
+    /// What scatters; of several lobes, the one that scatters most.
     pub lobe: Lobe,
+    /// Share of the glossy lobe, per channel; the diffuse one has the rest. 0 for a specular one.
+    pub glossy: Rgb,
     /// True if the path goes on at the other side of the surface.
     pub is_transmission: bool,
     /// `f · cos`, 1/sr; for a specular lobe, its reflectance or transmittance.
@@ -75,7 +66,7 @@ pub struct Event {
 }
 
 /// A vertex of a path, from the end that it was walked from.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PathVertex {
     /// What it is.
     pub kind: VertexKind,
@@ -90,7 +81,9 @@ pub struct PathVertex {
     /// Index of the material there.
     pub material: Option<u32>,
     /// What scatters here where the path is joined to another one.
-    pub lobe: Option<Lobe>,
+    pub(crate) lobes: Option<Lobes>,
+    /// What the light comes from, if it was aimed at or started from.
+    pub(crate) source: Option<Source>,
     /// Throughput of the path up to here, scattering not included.
     pub throughput: Rgb,
     /// The paths that go on from here in place of one.
@@ -100,6 +93,22 @@ pub struct PathVertex {
 }
 
 impl PathVertex {
+    /// What scatters here where the path is joined to another one; of several lobes, the diffuse
+    /// one.
+    #[must_use]
+    pub fn lobe(&self) -> Option<Lobe> {
+        self.lobes.as_ref().map(Lobes::main)
+    }
+
+    /// What the light comes from, where the path begins here.
+    #[must_use]
+    pub fn source(&self) -> Option<Source> {
+        match self.kind {
+            VertexKind::Surface => self.material.map(Source::Material),
+            _ => self.source,
+        }
+    }
+
     /// Towards this vertex from another one, of any length.
     #[must_use]
     pub fn direction_from(&self, other: &Self) -> Vec3 {
@@ -117,7 +126,8 @@ impl PathVertex {
             ns: Vec3::ZERO,
             triangle: None,
             material: None,
-            lobe: None,
+            lobes: None,
+            source: None,
             throughput,
             n_paths: 1,
             event: None,
@@ -156,8 +166,29 @@ pub(crate) struct Trail {
     /// The number of the light path under way.
     light_path: Option<u32>,
     /// Light paths that are to be kept whole.
-    wanted: Arc<HashSet<u32>>,
+    wanted: WantedPaths,
     kept: HashMap<u32, Vec<PathVertex>>,
+    /// What the latest ray has got light from, where that is more than one thing.
+    sources: Vec<(Source, Rgb)>,
+}
+
+/// Light paths that are to be kept whole.
+#[derive(Clone, Debug, Default)]
+pub(crate) enum WantedPaths {
+    /// Those of some numbers.
+    These(Arc<HashSet<u32>>),
+    /// All of them.
+    #[default]
+    All,
+}
+
+impl WantedPaths {
+    fn contains(&self, path: u32) -> bool {
+        match self {
+            Self::These(paths) => paths.contains(&path),
+            Self::All => true,
+        }
+    }
 }
 
 /// A trail that a tracer and a sink have in common.
@@ -165,10 +196,35 @@ pub(crate) type SharedTrail = Rc<RefCell<Trail>>;
 
 impl Trail {
     /// Keeps these light paths whole.
-    pub(crate) fn keeping(wanted: Arc<HashSet<u32>>) -> Self {
+    pub(crate) fn keeping(wanted: WantedPaths) -> Self {
         Self {
             wanted,
             ..Self::default()
+        }
+    }
+
+    /// The vertices so far, as they are: how the last is left may be what it was when it was left
+    /// before.
+    pub(crate) fn so_far(&self) -> &[PathVertex] {
+        &self.vertices
+    }
+
+    /// What was aimed at last.
+    pub(crate) fn aim(&self) -> Option<&PathVertex> {
+        self.aim.as_ref()
+    }
+
+    /// What the latest ray has got light from, each with its part, where that is more than one
+    /// thing.
+    pub(crate) fn sources(&self) -> &[(Source, Rgb)] {
+        &self.sources
+    }
+
+    /// The end of a path that has left the scene.
+    pub(crate) fn sky(&self) -> PathVertex {
+        PathVertex {
+            source: Some(Source::Environment),
+            ..PathVertex::end(VertexKind::FarLight, self.heading, Rgb::WHITE)
         }
     }
 
@@ -183,14 +239,13 @@ impl Trail {
 
     /// As [`Self::vertices`], and what was aimed at last.
     pub(crate) fn vertices_and_aim(&self) -> (Vec<PathVertex>, Option<PathVertex>) {
-        (self.vertices(), self.aim)
+        (self.vertices(), self.aim.clone())
     }
 
     /// The vertices of a path that has left the scene.
     pub(crate) fn vertices_to_sky(&self) -> Vec<PathVertex> {
-        let sky = PathVertex::end(VertexKind::FarLight, self.heading, Rgb::WHITE);
         let mut vertices = self.vertices.clone();
-        vertices.push(sky);
+        vertices.push(self.sky());
         vertices
     }
 
@@ -204,6 +259,11 @@ impl Trail {
         self.light_path
     }
 
+    /// A light path that was kept.
+    pub(crate) fn kept(&self, path: u32) -> Option<&Vec<PathVertex>> {
+        self.kept.get(&path)
+    }
+
     /// The light paths that were kept.
     pub(crate) fn into_kept(mut self) -> HashMap<u32, Vec<PathVertex>> {
         self.keep();
@@ -213,7 +273,7 @@ impl Trail {
     /// Ends the path.
     fn keep(&mut self) {
         if let Some(path) = self.light_path.take()
-            && self.wanted.contains(&path)
+            && self.wanted.contains(path)
         {
             self.kept.insert(path, std::mem::take(&mut self.vertices));
         }
@@ -242,6 +302,7 @@ impl Trail {
     fn follow(&mut self, ray: &Ray) {
         self.resume(ray.origin());
         self.heading = ray.direction();
+        self.sources.clear();
         let Some(at) = self.vertices.len().checked_sub(1) else {
             return;
         };
@@ -283,6 +344,7 @@ impl<'a> Tracer<'a> {
             let vertex = PathVertex {
                 ng: start.ng,
                 triangle: start.on_triangle.map(|(triangle, _)| triangle),
+                source: Some(self.source(start.on_triangle.map(|(t, _)| t), start.light)),
                 ..PathVertex::end(kind, start.ray().origin(), start.throughput())
             };
             trail.borrow_mut().start(vertex);
@@ -338,9 +400,19 @@ impl<'a> Tracer<'a> {
         let mut trail = trail.borrow_mut();
         trail.resume(vertex.point.position);
         let ng = vertex.point.ng;
+        let (lobe, glossy) = if sample.is_delta {
+            (Lobe::Specular, Rgb::BLACK)
+        } else {
+            let lobes = Lobes::of(vertex);
+            match mode {
+                TransportMode::Radiance => lobes.share(vertex.wo, sample.wi),
+                TransportMode::Importance => lobes.share(sample.wi, vertex.wo),
+            }
+        };
         let event = Event {
             wi: sample.wi,
-            lobe: Lobe::of(vertex, sample.is_delta),
+            lobe,
+            glossy,
             is_transmission: ng.dot(sample.wi) * ng.dot(vertex.wo) < 0.0,
             f_cos: sample.f_cos,
             pdf_w: sample.pdf_w,
@@ -362,22 +434,56 @@ impl<'a> Tracer<'a> {
     /// Notes the surface that it has met.
     #[inline(always)]
     pub(super) fn note_vertex(&self, vertex: &SurfaceVertex<'_>, throughput: Rgb) {
-        if let Some(trail) = &self.trail {
-            let geometry = self.scene.geometry();
-            let mesh = geometry.facet(vertex.triangle).mesh as usize;
-            trail.borrow_mut().vertices.push(PathVertex {
-                kind: VertexKind::Surface,
-                position: vertex.point.position,
-                ng: vertex.point.ng,
-                ns: vertex.frame.z,
-                triangle: Some(vertex.triangle),
-                material: Some(geometry.meshes()[mesh].material),
-                lobe: Some(Lobe::of(vertex, false)),
-                throughput,
-                n_paths: 1,
-                event: None,
-            });
+        if self.trail.is_some() {
+            self.push_vertex(vertex, throughput);
         }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn push_vertex(&self, vertex: &SurfaceVertex<'_>, throughput: Rgb) {
+        let Some(trail) = &self.trail else { return };
+        trail.borrow_mut().vertices.push(PathVertex {
+            kind: VertexKind::Surface,
+            position: vertex.point.position,
+            ng: vertex.point.ng,
+            ns: vertex.frame.z,
+            triangle: Some(vertex.triangle),
+            material: Some(self.material_of(vertex.triangle)),
+            lobes: Some(Lobes::of(vertex)),
+            source: None,
+            throughput,
+            n_paths: 1,
+            event: None,
+        });
+    }
+
+    /// Notes a part of what the latest ray has got light from.
+    #[inline(always)]
+    pub(super) fn note_source(&self, triangle: Option<u32>, value: Rgb) {
+        if let Some(trail) = &self.trail
+            && !value.is_black()
+        {
+            let of_triangle = |triangle| Source::Material(self.material_of(triangle));
+            let source = triangle.map_or(Source::Environment, of_triangle);
+            trail.borrow_mut().sources.push((source, value));
+        }
+    }
+
+    /// Index of the material of a triangle.
+    fn material_of(&self, triangle: u32) -> u32 {
+        let geometry = self.scene.geometry();
+        let mesh = geometry.facet(triangle).mesh as usize;
+        geometry.meshes()[mesh].material
+    }
+
+    /// What a light is, which is on a triangle or has a number among the lights.
+    fn source(&self, triangle: Option<u32>, light: usize) -> Source {
+        if let Some(triangle) = triangle {
+            return Source::Material(self.material_of(triangle));
+        }
+        let punctual = self.scene.lights().punctual(light);
+        punctual.map_or(Source::Environment, Source::Punctual)
     }
 
     /// Notes the point of the lens that light has got to.
@@ -393,7 +499,14 @@ impl<'a> Tracer<'a> {
     #[inline(always)]
     pub(super) fn note_aim(&self, from: Vec3, aim: &Aim, near: VertexKind) {
         if let Some(trail) = &self.trail {
-            trail.borrow_mut().aim = Some(PathVertex::of_aim(from, aim, near));
+            let triangle = aim.surface.map(|point| point.triangle);
+            let is_light = near == VertexKind::Light;
+            let source = is_light.then(|| self.source(triangle, aim.light as usize));
+            let vertex = PathVertex {
+                source,
+                ..PathVertex::of_aim(from, aim, near)
+            };
+            trail.borrow_mut().aim = Some(vertex);
         }
     }
 }

@@ -71,6 +71,7 @@ pub(crate) fn published_with(n_layers: usize) -> Published {
         thumbnails,
         thumbnails_version: 1,
         techniques: None,
+        classes: None,
         photons: None,
         features: None,
         samples: None,

@@ -36,7 +36,7 @@ pub(super) fn run(
             .iter()
             .map(|firefly| firefly.pixel.map(|at| at as u32));
         let pixels: Vec<[u32; 2]> = pixels.collect();
-        let inspected = inspect(&renderer, scene, arguments.iterations, &pixels, &cancel)?;
+        let inspected = inspect(&renderer, arguments.iterations, &pixels, &cancel)?;
         Ok::<_, anyhow::Error>((found, inspected))
     })?;
     let pairs = || found.iter().zip(&inspected);

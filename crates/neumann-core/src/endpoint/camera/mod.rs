@@ -232,6 +232,7 @@ impl Camera {
                     spread: Spread::Parallel { pdf_a },
                     start_over_aim: 1.0,
                     opacity: 1.0,
+                    light: u32::MAX,
                 },
                 raster,
             ));
@@ -273,6 +274,7 @@ impl Camera {
             spread: Spread::Point { pdf_w: pdf_w_start },
             start_over_aim: 1.0,
             opacity: 1.0,
+            light: u32::MAX,
         };
         Some((aim, raster))
     }

@@ -355,6 +355,7 @@ impl Panel {
             spread: Spread::Point { pdf_w: pdf_w_start },
             start_over_aim: 1.0,
             opacity: 1.0,
+            light: u32::MAX,
         })
     }
 }

@@ -219,6 +219,7 @@ impl EnvironmentLight {
             },
             start_over_aim: 1.0,
             opacity: 1.0,
+            light: u32::MAX,
         })
     }
 

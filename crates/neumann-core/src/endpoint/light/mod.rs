@@ -77,6 +77,8 @@ pub struct Lights {
     instances: Vec<LightInstance>,
     chooser: Option<Chooser>,
     environment: Option<usize>,
+    /// Punctual lights: the first of them, and the number of each among those of the scene.
+    punctual: (usize, Vec<u32>),
     /// `of_triangle[triangle]`: its light, or `u32::MAX`.
     of_triangle: Vec<u32>,
     bounds: Bounds,
@@ -129,11 +131,28 @@ impl Lights {
             environment: lights
                 .iter()
                 .position(|l| matches!(l, Light::Environment(_))),
+            punctual: (0, Vec::new()),
             of_triangle,
             lights,
             instances,
             bounds,
         }
+    }
+
+    /// The same, with the numbers of its punctual lights among those of the scene, of which some
+    /// may be off; the first of them is light number `first`.
+    #[must_use]
+    pub(crate) fn with_punctual(self, first: usize, numbers: Vec<u32>) -> Self {
+        Self {
+            punctual: (first, numbers),
+            ..self
+        }
+    }
+
+    /// The number of a light among the punctual ones of the scene, if it is one.
+    pub(crate) fn punctual(&self, light: usize) -> Option<u32> {
+        let (first, numbers) = &self.punctual;
+        numbers.get(light.checked_sub(*first)?).copied()
     }
 
     /// Number of lights.
@@ -315,6 +334,7 @@ impl Lights {
         aim.pdf_w *= pmf;
         aim.start.pdf_a *= pmf_start;
         aim.start_over_aim = pmf_start / pmf;
+        aim.light = light as u32;
         Some(aim)
     }
 

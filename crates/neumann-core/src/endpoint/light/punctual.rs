@@ -136,6 +136,7 @@ impl DirectionalLight {
             },
             start_over_aim: 1.0,
             opacity: 1.0,
+            light: u32::MAX,
         }
     }
 
@@ -192,6 +193,7 @@ fn aim_at_point(
         spread: Spread::Point { pdf_w: pdf_w_start },
         start_over_aim: 1.0,
         opacity: 1.0,
+        light: u32::MAX,
     })
 }
 

@@ -440,7 +440,7 @@ fn title(vertex: &PathVertex, job: &Job) -> String {
         VertexKind::Lens => "the eye".to_owned(),
         VertexKind::FarLight => "light from far away".to_owned(),
         VertexKind::Light | VertexKind::Surface => {
-            let lobe = vertex.event.map(|event| event.lobe).or(vertex.lobe);
+            let lobe = vertex.event.map(|event| event.lobe).or(vertex.lobe());
             let what = match (vertex.kind, lobe) {
                 (VertexKind::Light, _) | (_, None) => "light",
                 (_, Some(Lobe::Diffuse)) => "diffuse",

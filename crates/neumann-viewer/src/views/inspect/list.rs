@@ -88,7 +88,7 @@ impl List {
             let layer = (contribution.bounce as usize).min(n_layers);
             layers.contains(&layer)
                 && self.technique.is_none_or(|of| of == contribution.strategy)
-                && only.is_none_or(|only| only.matches(&path.bounces(), path.emitter(&job.scene)))
+                && only.is_none_or(|only| !only.share(&path.scattered(), path.source()).is_black())
         };
         let paths = found.paths().iter().enumerate();
         self.rows = paths
@@ -100,7 +100,7 @@ impl List {
             let ways = found.ways();
             let of_kind = ways
                 .iter()
-                .filter(|way| only.matches(way.bounces, way.emitter));
+                .filter(|way| only.matches(way.bounces, way.source));
             of_kind.map(|way| way.luminance).sum::<f64>() / total
         });
         self.made = Some(made);

@@ -59,7 +59,7 @@ impl Worker {
                 let Ok(mut replayed) = renderer.replay(n, &[pixel], &of_thread.cancel) else {
                     return;
                 };
-                found.add(&scene, n, replayed.pop().unwrap_or_default());
+                found.add(n, replayed.pop().unwrap_or_default());
                 if published.elapsed() >= NEWS_PERIOD {
                     of_thread.publish(&found);
                     published = Instant::now();

@@ -16,8 +16,8 @@ use neumann_picture::photons::PhotonColours;
 use neumann_picture::quantity::Quantity;
 
 use crate::options::{
-    DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, photon_colours, positive, region,
-    size, whole,
+    ClassOptions, DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, photon_colours,
+    positive, region, size, whole,
 };
 
 pub(crate) use agree::AgreeArguments;
@@ -230,6 +230,7 @@ impl Looked {
     neumann render room.gltf -o nee.exr --integrator pt-nee --size 1280x720 --until-error 0.01\n  \
     neumann render room.gltf -o room.exr --iterations 4096 --resume\n  \
     neumann render lamps -o l.exr --integrator bdpt --techniques pyramid\n  \
+    neumann render caustic -o c.exr --integrator bdpt --expression caustics --lights each\n  \
     neumann render cornell-glass --integrator pm --photons photons.png\n  \
     neumann render room.gltf -o part.exr --size 1280x720 --region 400,200,320,200\n  \
     neumann render room.gltf -o part2.exr --first-iteration 1024 --iterations 1024 --threads 8\n  \
@@ -278,6 +279,8 @@ pub(crate) struct RenderArguments {
         allow_hyphen_values = true
     )]
     pub(crate) techniques_divisor: u32,
+    #[command(flatten)]
+    pub(crate) classes: ClassOptions,
     /// Draw the photons of the last iteration as points, with a legend (pm, ppm). Without -o and a
     /// goal, one iteration is rendered
     #[arg(long, value_name = "FILE.png")]
@@ -300,7 +303,8 @@ pub(crate) struct RenderArguments {
 #[derive(Debug, Args)]
 #[command(
     after_help = "Writes T0, T1, …, tail, upto0, upto1, … and L, each as PNG and EXR, and \
-    sheet.png. L.exr holds all layers: --resume goes on from it.\n\n\
+    sheet.png. L.exr holds all layers: --resume goes on from it. With --expression and --lights, \
+    also expression-NAME and light-NAME.\n\n\
     Examples:\n  \
     neumann series cornell -o out\n  \
     neumann series room.gltf -o out --layers 4 --iterations 512 --exposure 1 --tone agx"
@@ -320,6 +324,8 @@ pub(crate) struct SeriesArguments {
     /// Go on from DIR/L.exr if it is there and was rendered with the same settings
     #[arg(long)]
     pub(crate) resume: bool,
+    #[command(flatten)]
+    pub(crate) classes: ClassOptions,
     /// End with one JSON object on stdout
     #[arg(long)]
     pub(crate) json: bool,
@@ -363,6 +369,8 @@ pub(crate) enum Listing {
     Integrators,
     /// The parameters of the methods, for --set
     Parameters,
+    /// Light path expressions that have names, for --expression and --only
+    Expressions,
 }
 
 /// Arguments of `list`.

@@ -1,5 +1,6 @@
 //! `neumann info`: what a scene consists of.
 
+use neumann_core::film::LightGroup;
 use neumann_core::scene::description::{CameraDescription, Projection};
 use neumann_core::scene::{Backs, Scene};
 use serde_json::{Value, json};
@@ -46,6 +47,7 @@ fn as_text(scene: &Scene) -> String {
             "lights        {} emissive triangles, {} punctual",
             n.n_area_lights, n.n_punctual_lights
         ),
+        format!("light names   {}", list(&light_names(scene))),
         format!("environment   {}", environment(scene)),
         format!("extensions    {}", list(&report.extensions_used)),
         format!("ignored       {}", list(&report.extensions_ignored)),
@@ -60,6 +62,12 @@ fn as_text(scene: &Scene) -> String {
         lines.push(format!("camera {i:<6} {}", camera_text(camera)));
     }
     lines.join("\n")
+}
+
+/// What its lights are called, for `--lights` and in light path expressions.
+fn light_names(scene: &Scene) -> Vec<String> {
+    let groups = LightGroup::all(scene).into_iter();
+    groups.map(|group| group.name).collect()
 }
 
 fn as_json(scene: &Scene) -> Value {
@@ -77,6 +85,7 @@ fn as_json(scene: &Scene) -> Value {
         "lights": {
             "area": n.n_area_lights,
             "punctual": n.n_punctual_lights,
+            "names": light_names(scene),
             "environment": scene.appearance().environment.is_some(),
         },
         "bounds": { "min": min.to_array(), "max": max.to_array() },

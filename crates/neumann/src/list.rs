@@ -1,5 +1,6 @@
-//! `neumann list`: built-in scenes, integrators, their parameters.
+//! `neumann list`: built-in scenes, integrators, their parameters, light path expressions.
 
+use neumann_core::expression::PRESETS;
 use neumann_core::integrator::{DEFAULT_METHOD, METHODS, Parameter, ParameterKind};
 use neumann_core::scene::builtin::BUILTINS;
 use serde_json::{Value, json};
@@ -14,12 +15,14 @@ pub(crate) fn run(arguments: &ListArguments) -> Outcome {
             Listing::Scenes => scenes_json(),
             Listing::Integrators => integrators_json(),
             Listing::Parameters => parameters_json(),
+            Listing::Expressions => expressions_json(),
         });
     }
     console::result(&match arguments.what {
         Listing::Scenes => scenes(),
         Listing::Integrators => integrators(),
         Listing::Parameters => parameters(),
+        Listing::Expressions => expressions(),
     })
 }
 
@@ -34,6 +37,26 @@ fn scenes_json() -> Value {
     BUILTINS
         .iter()
         .map(|s| json!({ "name": s.name, "about": s.about }))
+        .collect()
+}
+
+fn expressions() -> String {
+    let widest = PRESETS
+        .iter()
+        .map(|(name, _)| name.len())
+        .max()
+        .unwrap_or(0);
+    let lines: Vec<_> = PRESETS
+        .iter()
+        .map(|(name, text)| format!("{name:widest$}  {text}"))
+        .collect();
+    lines.join("\n")
+}
+
+fn expressions_json() -> Value {
+    PRESETS
+        .iter()
+        .map(|(name, text)| json!({ "name": name, "expression": text }))
         .collect()
 }
 

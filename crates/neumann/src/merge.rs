@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &MergeArguments) -> Outcome {
     };
     let picture = Picture {
         film: &whole.film,
-        features: whole.features.as_ref(),
+        beside: whole.features.as_ref().into(),
         metadata: &whole.metadata,
         display: arguments.display.display(|| whole.film.total()),
         precision: Precision::Full,

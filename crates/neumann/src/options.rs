@@ -1,6 +1,7 @@
 //! From what was typed to a scene and its settings.
 
 mod camera;
+mod classes;
 mod parse;
 
 use std::path::PathBuf;
@@ -27,6 +28,7 @@ use crate::progress::while_waiting;
 use crate::session::Shard;
 use crate::suggest::check_scene;
 
+pub(crate) use classes::ClassOptions;
 pub(crate) use parse::{bytes, pixel, positive, probability, region, size, technique, whole};
 
 /// Highest power of T where nothing else is asked for.

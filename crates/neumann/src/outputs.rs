@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use neumann_core::film::{Features, Film};
+use neumann_core::film::{Film, View};
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::RenderSettings;
 use neumann_picture::Image;
-use neumann_picture::exr_file::{Metadata, Precision, write_exr_as};
+use neumann_picture::exr_file::{Beside, Metadata, Precision, write_exr_as};
 use neumann_picture::files::{self, check_destination, is_same_place};
 use neumann_picture::png_file::{Pixels8, write_png};
 use neumann_picture::tone::Display;
@@ -94,7 +94,7 @@ pub(crate) fn checkpoint<'p>(option: &str, paths: &'p [PathBuf]) -> Outcome<&'p 
 /// A film on its way to files.
 pub(crate) struct Picture<'a> {
     pub(crate) film: &'a Film,
-    pub(crate) features: Option<&'a Features>,
+    pub(crate) beside: Beside<'a>,
     pub(crate) metadata: &'a Metadata,
     pub(crate) display: Display,
     pub(crate) precision: Precision,
@@ -105,13 +105,8 @@ impl Picture<'_> {
     pub(crate) fn write(&self, path: &Path) -> Outcome {
         match kind(path)? {
             Kind::Exr => {
-                let clamped = write_exr_as(
-                    path,
-                    self.film,
-                    self.features,
-                    self.metadata,
-                    self.precision,
-                )?;
+                let clamped =
+                    write_exr_as(path, self.film, self.beside, self.metadata, self.precision)?;
                 if clamped.n_values > 0 {
                     console::note(&format!(
                         "warning: {}: half floats end at 65504: {} values beyond were clamped, \
@@ -126,7 +121,7 @@ impl Picture<'_> {
                 let image = Image {
                     width: self.film.width(),
                     height: self.film.height(),
-                    pixels: self.film.total(),
+                    pixels: self.shown(),
                     ..Image::default()
                 };
                 write_png(path, &Pixels8::of(&image, &self.display))?;
@@ -134,6 +129,14 @@ impl Picture<'_> {
             }
         }
         Ok(())
+    }
+
+    /// L, in the light that is asked for.
+    pub(crate) fn shown(&self) -> Vec<Rgb> {
+        let Beside { classes, mix, .. } = self.beside;
+        let classes = classes.filter(|_| !mix.is_empty());
+        let mixed = classes.and_then(|classes| classes.mixed(View::Total, mix));
+        mixed.unwrap_or_else(|| self.film.total())
     }
 
     /// Writes all files; one that fails does not keep the others from being written.

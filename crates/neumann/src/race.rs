@@ -137,7 +137,7 @@ fn write_film(
     let features = pool.run(|| Features::trace(scene, &s.camera, s.width, s.height));
     let picture = Picture {
         film,
-        features: Some(&features),
+        beside: Some(&features).into(),
         metadata: &metadata,
         display: Display::default(),
         precision: Precision::Full,

@@ -1,6 +1,7 @@
 //! `neumann render`: a scene to EXR and PNG files.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::anyhow;
 use neumann_core::film::{Features, Film, TechniqueFilm, View};
@@ -8,7 +9,7 @@ use neumann_core::integrator::{method, methods_with_photons};
 use neumann_core::photons::PhotonPicture;
 use neumann_core::render::RenderSettings;
 use neumann_core::scene::description::Crop;
-use neumann_picture::exr_file::{Metadata, Precision, write_techniques_exr};
+use neumann_picture::exr_file::{Beside, Metadata, Precision, write_techniques_exr};
 use neumann_picture::photons::{PhotonLook, PowerScale};
 use neumann_picture::png_file::write_png;
 use neumann_picture::sheet::{SheetInfo, photon_sheet, technique_sheet};
@@ -49,8 +50,14 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
     let state = arguments
         .settings
         .state(&arguments.scene, &scene, &settings);
+    let classes = arguments.classes.resolve(&scene)?;
+    let mix = match &classes {
+        Some(classes) => arguments.classes.factors(classes)?,
+        None => Vec::new(),
+    };
     let session = Session {
         state: Box::new(state),
+        classes: classes.map(Arc::new),
         scene,
         settings,
         pool: arguments.settings.pool()?,
@@ -77,21 +84,23 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         Some(path) => {
             // An .exr holds radiance, however it is shown.
             let display = Display::default();
-            picture(arguments, film, features, metadata, display).write(path)
+            let beside = Some(features).into();
+            picture(arguments, film, beside, metadata, display).write(path)
         }
         None => Ok(()),
     };
     let saver = checkpoint.map(|_| Saver::new(arguments.goal.checkpoint, &write));
     let rendered = session.render(before, saver, &interrupt::token());
     refuse_empty(&rendered)?;
-    let display = arguments.display.display(|| rendered.film.total());
-    let picture = picture(
-        arguments,
-        &rendered.film,
-        &rendered.features,
-        &rendered.metadata,
-        display,
-    );
+    let beside = Beside {
+        features: Some(&rendered.features),
+        classes: rendered.classes.as_ref(),
+        mix: &mix,
+    };
+    let (film, metadata) = (&rendered.film, &rendered.metadata);
+    let shown = || picture(arguments, film, beside, metadata, Display::default()).shown();
+    let display = arguments.display.display(shown);
+    let picture = picture(arguments, film, beside, metadata, display);
     picture.write_all(&arguments.outputs)?;
     if let (Some(folder), Some(film)) = (&arguments.techniques, &rendered.techniques) {
         write_techniques(folder, film, &rendered, display)?;
@@ -163,13 +172,13 @@ const TECHNIQUES_PNG: &str = "techniques.png";
 fn picture<'a>(
     arguments: &RenderArguments,
     film: &'a Film,
-    features: &'a Features,
+    beside: Beside<'a>,
     metadata: &'a Metadata,
     display: Display,
 ) -> Picture<'a> {
     Picture {
         film,
-        features: Some(features),
+        beside,
         metadata,
         display,
         precision: if arguments.half {

@@ -3,12 +3,13 @@
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use neumann_core::film::{Features, Film, View};
+use neumann_core::film::{ClassFilm, Features, Film, View};
 use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
 use neumann_picture::energy::Energy;
-use neumann_picture::exr_file::{Metadata, Precision, write_image_exr};
+use neumann_picture::exr_file::{Beside, Metadata, Precision, write_image_exr};
 use neumann_picture::files::{check_destination, write_atomically};
 use neumann_picture::png_file::{Pixels8, write_png};
 use neumann_picture::sheet::{SheetInfo, sheet};
@@ -41,8 +42,14 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
     let state = arguments
         .settings
         .state(&arguments.scene, &scene, &settings);
+    let classes = arguments.classes.resolve(&scene)?;
+    let mix = match &classes {
+        Some(classes) => arguments.classes.factors(classes)?,
+        None => Vec::new(),
+    };
     let session = Session {
         state: Box::new(state),
+        classes: classes.map(Arc::new),
         scene,
         settings,
         pool: arguments.settings.pool()?,
@@ -60,7 +67,7 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
     let write_checkpoint = |film: &Film, features: &Features, metadata: &Metadata| {
         let picture = Picture {
             film,
-            features: Some(features),
+            beside: Some(features).into(),
             metadata,
             display: Display::default(),
             precision: Precision::Full,
@@ -71,7 +78,15 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
     let rendered = session.render(before, Some(saver), &interrupt::token());
     refuse_empty(&rendered)?;
     let display = arguments.display.display(|| rendered.film.total());
-    let outputs = write(&arguments.folder, &rendered, display)?;
+    let mut outputs = write(&arguments.folder, &rendered, &mix, display)?;
+    if let Some(classes) = &rendered.classes {
+        outputs.extend(write_classes(
+            &arguments.folder,
+            classes,
+            &rendered,
+            display,
+        )?);
+    }
     console::note(&summary(&rendered));
     console::note(&energy(&rendered).sentence());
     if arguments.json {
@@ -113,12 +128,21 @@ pub(crate) fn make_folder(folder: &Path) -> Outcome {
 }
 
 /// Writes all pictures of the series; yields what it wrote.
-pub(crate) fn write(folder: &Path, rendered: &Rendered, display: Display) -> Outcome<Vec<PathBuf>> {
+pub(crate) fn write(
+    folder: &Path,
+    rendered: &Rendered,
+    mix: &[Rgb],
+    display: Display,
+) -> Outcome<Vec<PathBuf>> {
     let film = &rendered.film;
     let checkpoint = folder.join(CHECKPOINT);
     let picture = Picture {
         film,
-        features: Some(&rendered.features),
+        beside: Beside {
+            features: Some(&rendered.features),
+            classes: rendered.classes.as_ref(),
+            mix,
+        },
         metadata: &rendered.metadata,
         display,
         precision: Precision::Full,
@@ -152,6 +176,64 @@ pub(crate) fn write(folder: &Path, rendered: &Rendered, display: Display) -> Out
     write_atomically(&path, |writer| Ok(writer.write_all(csv.as_bytes())?))?;
     outputs.push(path);
     Ok(outputs)
+}
+
+/// Writes a picture of each class of paths, and of the light of each source.
+fn write_classes(
+    folder: &Path,
+    classes: &ClassFilm,
+    rendered: &Rendered,
+    display: Display,
+) -> Outcome<Vec<PathBuf>> {
+    let expressions = classes.classes().expressions.iter().enumerate();
+    let expressions = expressions.map(|(number, expression)| {
+        let name = format!("expression-{}", file_name(expression.name()));
+        (name, expression.to_string(), classes.expression(number))
+    });
+    let lit = classes
+        .group_names()
+        .enumerate()
+        .filter(|(g, _)| classes.is_lit(*g));
+    let lights = lit.filter_map(|(group, name)| {
+        let pixels = classes.group(group, View::Total)?;
+        let file = format!("light-{}", file_name(name));
+        Some((file, format!("light of {name}"), pixels))
+    });
+    let mut outputs: Vec<PathBuf> = Vec::new();
+    for (name, view, pixels) in expressions.chain(lights) {
+        let mut stem = name.clone();
+        // Names may differ in what no file's name has.
+        for n in 2.. {
+            let png = folder.join(format!("{stem}.png"));
+            if !outputs.contains(&png) {
+                break;
+            }
+            stem = format!("{name}-{n}");
+        }
+        let image = Image {
+            width: classes.width(),
+            height: classes.height(),
+            pixels,
+            ..Image::default()
+        };
+        let png = folder.join(format!("{stem}.png"));
+        write_png(&png, &Pixels8::of(&image, &display))?;
+        let exr = folder.join(format!("{stem}.exr"));
+        let notes = [
+            ("scene", rendered.metadata.scene.as_str()),
+            ("view", view.as_str()),
+        ];
+        write_image_exr(&exr, (image.width, image.height), &image.pixels, &notes)?;
+        outputs.extend([png, exr]);
+    }
+    Ok(outputs)
+}
+
+/// A name with letters and digits alone, and `-` for the rest.
+fn file_name(name: &str) -> String {
+    let words = name.split(|c: char| !c.is_alphanumeric());
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    words.join("-")
 }
 
 /// What the terms are worth.

@@ -8,7 +8,7 @@ mod shard;
 use std::sync::Arc;
 use std::time::Instant;
 
-use neumann_core::film::{Features, Film, PhotonReport, TechniqueFilm};
+use neumann_core::film::{ClassFilm, Features, Film, PathClasses, PhotonReport, TechniqueFilm};
 use neumann_core::photons::PhotonPicture;
 use neumann_core::render::{CancelToken, IterationTimes, RenderSettings, Renderer, WorkerPool};
 use neumann_core::scene::Scene;
@@ -126,6 +126,8 @@ pub(crate) struct Session {
     pub(crate) goal: Goal,
     /// How many times smaller techniques are kept apart, if they are.
     pub(crate) technique_divisor: Option<usize>,
+    /// Which classes of paths are kept apart, if some are.
+    pub(crate) classes: Option<Arc<PathClasses>>,
     /// Whether the photons of the last iteration are drawn.
     pub(crate) draws_photons: bool,
 }
@@ -144,6 +146,8 @@ pub(crate) struct Rendered {
     pub(crate) rays_per_second: Option<f64>,
     /// The techniques of this run, if they were kept apart.
     pub(crate) techniques: Option<TechniqueFilm>,
+    /// The classes of paths of this run, if they were kept apart.
+    pub(crate) classes: Option<ClassFilm>,
     /// The photons of the last iteration, if they were to be drawn.
     pub(crate) photon_picture: Option<PhotonPicture>,
     /// What the photons of the last iteration were like, if there were any.
@@ -191,6 +195,7 @@ impl Session {
         let mut renderer =
             Renderer::new(Arc::clone(&self.scene), s.clone(), self.pool.clone(), next);
         renderer.record_techniques(self.technique_divisor);
+        renderer.keep_classes(self.classes.clone());
         let mut features = None;
         let trace_features = || {
             let trace = || Features::trace(&self.scene, &s.camera, s.width, s.height);
@@ -248,6 +253,7 @@ impl Session {
         let estimated_error = renderer.estimated_error(&film);
         let layer_errors = renderer.layer_errors(&film);
         let techniques = renderer.techniques().cloned();
+        let classes = renderer.classes().cloned();
         let draws_photons = self.draws_photons && film.n_iterations() > 0;
         let photon_picture = draws_photons.then(|| draw_photons(&mut renderer)).flatten();
         // Its memory goes before more is wanted.
@@ -263,6 +269,7 @@ impl Session {
             samples_per_second: per_second(n_samples),
             rays_per_second: per_second(n_rays),
             techniques,
+            classes,
             photon_picture,
             photons,
             is_complete,

@@ -40,6 +40,7 @@ fn render(scene: &str) -> Outcome {
     let name = scene;
     let (scene, settings) = options.resolve(name)?;
     let session = Session {
+        classes: None,
         state: Box::new(options.state(name, &scene, &settings)),
         scene,
         settings,
@@ -56,7 +57,7 @@ fn render(scene: &str) -> Outcome {
         ..DisplayOptions::default()
     };
     let display = display.display(|| rendered.film.total());
-    let outputs = series::write(folder, &rendered, display)?;
+    let outputs = series::write(folder, &rendered, &[], display)?;
     console::note(&summary(&rendered));
     console::note(&format!(
         "wrote {} files to ./{FOLDER}; ./{FOLDER}/sheet.png shows the whole series",

@@ -135,12 +135,19 @@ impl ClassShape {
     ) {
         let pixel = y * self.width as u32 + x;
         let mut add = |plane: usize, value: Rgb| {
-            if !value.is_black() {
-                records.push(ClassRecord {
+            if value.is_black() {
+                return;
+            }
+            let plane = plane as u32;
+            // What comes to one pixel comes in a row.
+            let of_pixel = records.iter_mut().rev().take_while(|r| r.pixel == pixel);
+            match of_pixel.into_iter().find(|r| r.plane == plane) {
+                Some(record) => record.value += value,
+                None => records.push(ClassRecord {
                     pixel,
-                    plane: plane as u32,
+                    plane,
                     value,
-                });
+                }),
             }
         };
         for (i, expression) in classes.expressions.iter().enumerate() {

@@ -418,10 +418,15 @@ impl<'a> Pass<'a> {
         T: Default + Send,
         F: Fn(Range<usize>, &mut Tracer<'s>, &mut Sink<'_>) -> T + Sync,
     {
+        let join = |of: &mut Self| {
+            if let Some(plan) = &mut of.plan {
+                plan.joins(&mut of.seen.light_paths);
+            }
+        };
+        // Nothing is joined to earlier ones any more.
+        join(self);
         self.trace_chunks(scene, n_paths, paths, take, true)?;
-        if let Some(plan) = &mut self.plan {
-            plan.joins(&mut self.seen.light_paths);
-        }
+        join(self);
         Ok(())
     }
 

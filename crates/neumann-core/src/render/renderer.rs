@@ -318,7 +318,7 @@ impl Renderer {
             let plan = ClassPlan {
                 classes: Arc::clone(classes.film.classes()),
                 shape: classes.film.shape(),
-                light_paths: Arc::clone(&classes.light_paths),
+                light_paths: std::mem::take(&mut classes.light_paths),
             };
             pass.classify(plan, &mut classes.film);
             known = Some(&mut classes.light_paths);
@@ -328,6 +328,10 @@ impl Renderer {
         let outcome = self
             .pool
             .run(|| iterate(integrator, adaptive, scene, &mut pass));
+        debug_assert!(outcome.is_err() || pass.is_whole(), "every tile is traced");
+        if let (Some(known), Some(plan)) = (known, pass.into_class_plan()) {
+            *known = plan.light_paths;
+        }
         if let Err(cancelled) = outcome {
             // Records of an iteration that was cut short cannot be told from the others.
             if let Some(techniques) = &mut self.techniques {
@@ -337,10 +341,6 @@ impl Renderer {
                 classes.film = classes.film.emptied();
             }
             return Err(cancelled);
-        }
-        debug_assert!(pass.is_whole(), "every tile is traced");
-        if let (Some(known), Some(plan)) = (known, pass.into_class_plan()) {
-            *known = plan.light_paths;
         }
         if let Some(classes) = &mut self.classes {
             classes.film.end_iteration();

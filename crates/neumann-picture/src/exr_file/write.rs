@@ -7,12 +7,12 @@ use exr::image::{AnyChannels, Blocks, Encoding, Layer};
 use exr::meta::attribute::LineOrder;
 use exr::meta::header::LayerAttributes;
 use exr::prelude::Compression;
-use neumann_core::film::{Features, Film, Joint, TechniqueFilm, TechniqueImage};
+use neumann_core::film::{Film, Joint, TechniqueFilm, TechniqueImage};
 use neumann_core::radiometry::Rgb;
 
 use super::metadata::{PREFIX, text, text_of};
 use super::planes::Planes;
-use super::{Metadata, checksum, spread};
+use super::{Beside, Metadata, checksum, spread};
 use crate::PictureError;
 use crate::files::write_atomically;
 
@@ -39,13 +39,13 @@ pub struct Clamped {
 ///
 /// # Errors
 /// If the place cannot be written to.
-pub fn write_exr(
+pub fn write_exr<'a>(
     path: &Path,
     film: &Film,
-    features: Option<&Features>,
+    beside: impl Into<Beside<'a>>,
     metadata: &Metadata,
 ) -> Result<(), PictureError> {
-    write_exr_as(path, film, features, metadata, Precision::Full)?;
+    write_exr_as(path, film, beside, metadata, Precision::Full)?;
     Ok(())
 }
 
@@ -53,10 +53,10 @@ pub fn write_exr(
 ///
 /// # Errors
 /// If the place cannot be written to.
-pub fn write_exr_as(
+pub fn write_exr_as<'a>(
     path: &Path,
     film: &Film,
-    features: Option<&Features>,
+    beside: impl Into<Beside<'a>>,
     metadata: &Metadata,
     precision: Precision,
 ) -> Result<Clamped, PictureError> {
@@ -74,13 +74,9 @@ pub fn write_exr_as(
         .map(|pixel| film.variance_of_mean(pixel))
         .collect();
     planes.rgb("variance", &variance);
-    if let Some(features) = features {
-        planes.rgb("albedo", &features.albedo);
-        planes.xyz("normal", &features.normal);
-        planes.plane("depth", "Z", &features.depth, |z| *z);
-    }
     let mut attributes = LayerAttributes::default();
     metadata.put(&mut attributes);
+    beside.into().put(&mut planes, &mut attributes);
     if precision == Precision::Full {
         spread::put(&mut attributes, film.spread());
     }

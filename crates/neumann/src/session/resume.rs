@@ -14,6 +14,12 @@ impl Session {
         if !path.exists() {
             return Ok(None);
         }
+        if self.classes.is_some() {
+            return Err(bad_input(
+                "--resume: layers of --expression and --lights cannot be gone on with; leave them \
+                 out, or render to another file",
+            ));
+        }
         let checkpoint = read_exr(path).or_bad_input()?;
         let ours = Metadata::of(&self.scene, &self.settings);
         let mut differences = ours.differences(&checkpoint.metadata);

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use neumann_core::film::PathClasses;
 use neumann_core::render::{Job, Published, RenderLoop, RenderSettings, StopRule, WorkerPool};
 use neumann_core::scene::Scene;
 use neumann_core::scene::description::{CameraDescription, Crop};
@@ -20,6 +21,7 @@ pub struct RenderLink {
     is_recording: bool,
     draws_photons: bool,
     traces_features: bool,
+    classes: Option<Arc<PathClasses>>,
     is_paused: bool,
     is_held: bool,
 }
@@ -62,6 +64,7 @@ impl RenderLink {
             is_recording: false,
             draws_photons: false,
             traces_features: false,
+            classes: None,
             is_paused: false,
             is_held: false,
         }
@@ -209,6 +212,20 @@ impl RenderLink {
     #[must_use]
     pub fn traces_features(&self) -> bool {
         self.traces_features
+    }
+
+    /// Begins to keep classes of paths apart, or others than before, or ends it.
+    pub fn keep_classes(&mut self, classes: Option<Arc<PathClasses>>) {
+        self.classes.clone_from(&classes);
+        if let End::Live(render_loop, _) = &self.end {
+            render_loop.keep_classes(classes);
+        }
+    }
+
+    /// The classes of paths that are kept apart.
+    #[must_use]
+    pub fn kept_classes(&self) -> Option<&Arc<PathClasses>> {
+        self.classes.as_ref()
     }
 
     /// Changes when rendering is done, without starting anew.

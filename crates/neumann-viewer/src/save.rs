@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage, Context};
 use neumann_core::film::Features;
-use neumann_picture::exr_file::{Metadata, write_exr};
+use neumann_picture::exr_file::{Beside, Metadata, write_exr};
 use neumann_picture::png_file::write_png;
 use neumann_picture::sheet::{SheetInfo, sheet as lay_out_sheet};
 
@@ -52,10 +52,22 @@ pub fn exr(session: &Session, viewing: &Viewing, shell: &mut Shell) {
         state: crate::state::of(session, viewing).map(Box::new),
         ..metadata
     };
+    let classes = session
+        .link
+        .kept_classes()
+        .and_then(|_| session.link.read(|published| published.classes.clone()));
+    let mix = classes
+        .as_ref()
+        .map(|classes| viewing.settings.layers.factors(classes));
     let path = path_of(session, "layers", "exr");
     shell.background.save(move || {
         let features = Features::trace(&scene, &camera, film.width(), film.height());
-        write_exr(&path, &film, Some(&features), &metadata).map_err(|e| e.to_string())?;
+        let beside = Beside {
+            features: Some(&features),
+            classes: classes.as_deref(),
+            mix: mix.as_deref().unwrap_or_default(),
+        };
+        write_exr(&path, &film, beside, &metadata).map_err(|e| e.to_string())?;
         Ok(absolute(path))
     });
 }

@@ -427,6 +427,9 @@ impl Session {
         if self.link.traces_features() != needs.features {
             self.link.trace_features(needs.features);
         }
+        if self.link.kept_classes().is_some() && !needs.classes {
+            self.link.keep_classes(None);
+        }
         if self.link.is_held() != needs.rest {
             self.link.hold(needs.rest);
         }

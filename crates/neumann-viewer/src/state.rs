@@ -8,11 +8,12 @@ use neumann_core::render::StopRule;
 use neumann_core::scene::description::{Crop, MaterialDescription};
 use neumann_core::scene::{Appearance, Level, SkyChoice};
 use neumann_picture::state::{
-    CameraState, Edits, EnvironmentState, Exact, ExposureState, FalseColourState, LevelEdit,
-    Magnified, MaterialEdit, State, Stop,
+    CameraState, Edits, EnvironmentState, Exact, ExposureState, FalseColourState, LayersState,
+    LevelEdit, Magnified, MaterialEdit, State, Stop,
 };
 
 use crate::display::ViewSettings;
+use crate::display::layers::LayerSettings;
 use crate::session::Session;
 use crate::setup::{FilmSize, OpenScene, Setup};
 use crate::viewing::Viewing;
@@ -62,6 +63,7 @@ pub fn of(session: &Session, viewing: &Viewing) -> Option<State> {
         },
         backs: appearance.backs.name().to_owned(),
         edits: edits(open),
+        layers_beside: layers_of(&settings.layers),
         ..render
     })
 }
@@ -179,6 +181,7 @@ fn take_looks(state: &State, settings: &mut ViewSettings) {
         is_false_colour: state.false_colour.is_on,
         map: state.false_colour.colours.parse().unwrap_or(settings.map),
         map_stops: state.false_colour.stops.0,
+        layers: layers(&state.layers_beside),
         zoom: state.magnified.as_ref().map(|magnified| magnified.zoom.0),
         center: state
             .magnified
@@ -295,6 +298,29 @@ fn take_edits(edits: &Edits, appearance: &mut Appearance, complaints: &mut Vec<S
             }
             _ => left_out("light", edit.index, &edit.name),
         }
+    }
+}
+
+fn layers_of(settings: &LayerSettings) -> LayersState {
+    let mix = settings.mix.iter();
+    LayersState {
+        expressions: settings.expressions.clone(),
+        lights: settings.lights.clone(),
+        mix: mix
+            .map(|(name, factor)| (name.clone(), Exact::all(factor.to_array())))
+            .collect(),
+    }
+}
+
+fn layers(state: &LayersState) -> LayerSettings {
+    let mix = state.mix.iter();
+    LayerSettings {
+        expressions: state.expressions.clone(),
+        lights: state.lights.clone(),
+        mix: mix
+            .map(|(name, factor)| (name.clone(), rgb(*factor)))
+            .collect(),
+        ..LayerSettings::default()
     }
 }
 

@@ -87,6 +87,11 @@ impl State {
         for (i, edit) in edits.lights.iter().enumerate() {
             edit.check(&format!("edits.lights[{i}]"))?;
         }
+        for (name, factor) in &self.layers_beside.mix {
+            for channel in *factor {
+                range(&format!("layers_beside.mix.{name}"), channel, 0.0, f32::MAX)?;
+            }
+        }
         Ok(warnings)
     }
 

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::Mat4;
-use neumann_core::film::DEFAULT_LAYERS;
+use neumann_core::film::{DEFAULT_LAYERS, LightGroup};
 use neumann_core::integrator::DEFAULT_METHOD;
 use neumann_core::render::RenderSettings;
 use neumann_core::scene::SkyChoice;
@@ -76,6 +76,32 @@ pub struct State {
     pub backs: String,
     /// What is other than in the scene's file.
     pub edits: Edits,
+    /// Layers beside the bounces.
+    pub layers_beside: LayersState,
+}
+
+/// Layers beside the bounces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct LayersState {
+    /// Light path expressions, a layer each; a name and `=` may stand before one.
+    pub expressions: Vec<String>,
+    /// `each` for the light of each source apart, or groups: `key=lamp,candle;sky=environment`.
+    pub lights: String,
+    /// Factors on the light of groups, linear, by their names.
+    pub mix: BTreeMap<String, [Exact; 3]>,
+}
+
+impl Default for LayersState {
+    fn default() -> Self {
+        Self {
+            expressions: ["direct", "indirect diffuse", "caustics"]
+                .map(str::to_owned)
+                .into(),
+            lights: LightGroup::EACH.to_owned(),
+            mix: BTreeMap::new(),
+        }
+    }
 }
 
 /// A camera, all of it.
@@ -382,6 +408,7 @@ impl Default for State {
             environment: EnvironmentState::default(),
             backs: "solid".to_owned(),
             edits: Edits::default(),
+            layers_beside: LayersState::default(),
         }
     }
 }

@@ -3,6 +3,7 @@
 mod gpu;
 pub mod ground;
 pub mod image_area;
+pub mod layers;
 pub mod legend;
 mod planes;
 pub mod values;
@@ -16,6 +17,7 @@ use neumann_picture::false_colour::{ColourMap, diverging};
 use neumann_picture::sheet::Scale;
 use neumann_picture::tone::{Display, ToneCurve};
 
+use self::layers::LayerSettings;
 use crate::region::Drawing;
 use crate::widgets::significant;
 
@@ -59,6 +61,8 @@ pub struct ViewSettings {
     pub is_probing: bool,
     /// The next drag draws a region.
     pub drawing: Option<Drawing>,
+    /// Layers beside the bounces.
+    pub layers: LayerSettings,
 }
 
 impl Default for ViewSettings {
@@ -78,6 +82,7 @@ impl Default for ViewSettings {
             difference: None,
             is_probing: true,
             drawing: None,
+            layers: LayerSettings::default(),
         }
     }
 }

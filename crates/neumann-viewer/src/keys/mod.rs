@@ -11,7 +11,7 @@ use crate::views::VIEWS;
 
 pub use places::Places;
 pub use table::HELP;
-pub(crate) use table::{DISPLAY, NONE, line, on};
+pub(crate) use table::{DISPLAY, NONE, SHIFT, line, on};
 
 /// What a key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use egui::{Key, Modifiers};
 use super::{Action, Binding, HelpLine};
 
 pub(crate) const NONE: Modifiers = Modifiers::NONE;
-const SHIFT: Modifiers = Modifiers::SHIFT;
+pub(crate) const SHIFT: Modifiers = Modifiers::SHIFT;
 const CTRL: Modifiers = Modifiers::COMMAND;
 
 /// A key that does something.

@@ -9,9 +9,11 @@
 //! its row [`Needs`]. What the film is, and which part of the series is chosen, is not its own: a
 //! *part* (`neumann_core::film::View`) is shown by a *view*.
 
+mod column;
 pub mod energy;
 pub mod hemisphere;
 pub mod inspect;
+pub mod layers;
 pub mod photons;
 pub mod picture;
 mod plate;
@@ -47,6 +49,7 @@ pub static VIEWS: &[&Row] = &[
     &photons::ROW,
     &inspect::ROW,
     &hemisphere::ROW,
+    &layers::ROW,
     &race::ROW,
     &energy::ROW,
 ];
@@ -90,6 +93,8 @@ pub struct Needs {
     pub photons: bool,
     /// It keeps what the camera sees first.
     pub features: bool,
+    /// It keeps classes of paths apart; the view says which.
+    pub classes: bool,
     /// It keeps the film as it is, and leaves the threads to the view.
     pub rest: bool,
 }
@@ -100,6 +105,7 @@ impl Needs {
         techniques: false,
         photons: false,
         features: false,
+        classes: false,
         rest: false,
     };
 }

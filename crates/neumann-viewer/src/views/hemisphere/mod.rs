@@ -10,7 +10,7 @@ mod worker;
 
 use std::sync::Arc;
 
-use egui::{Key, Pos2, Rect, Stroke, Ui, pos2};
+use egui::{Key, Pos2, Stroke, Ui};
 use neumann_core::film::{Film, View as Part};
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::Hemisphere;
@@ -168,11 +168,7 @@ impl View for HemisphereView {
     }
 
     fn draw(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
-        let whole = stage.rect;
-        let (most, least, share) = COLUMN;
-        let width = (share * whole.width()).clamp(least, most);
-        let left = Rect::from_min_max(whole.min, pos2(whole.right() - width, whole.bottom()));
-        let right = Rect::from_min_max(pos2(left.right(), whole.top()), whole.max);
+        let [left, right] = super::column::beside(stage.rect, COLUMN);
         stage.rect = left;
         let hovered = self.draw_picture(ui, stage);
         column::show(ui, right, self, stage.session, stage.settings);

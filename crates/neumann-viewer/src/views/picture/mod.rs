@@ -181,7 +181,7 @@ pub(super) fn with_pixel(
     mut pixel: Option<[usize; 2]>,
     name: &str,
 ) -> (Option<[usize; 2]>, Option<(Response, Placement)>) {
-    let (rect, size) = (stage.rect, stage.session.shown_size());
+    let size = stage.session.shown_size();
     pixel = pixel.map(|pixel| stepped_pixel(ui, pixel, size).unwrap_or(pixel));
     let (response, placement) = take_pointer(ui, stage, size, name);
     if response.clicked_by(PointerButton::Primary)
@@ -191,7 +191,13 @@ pub(super) fn with_pixel(
     {
         pixel = Some(Placement::pixel(fraction, size).into());
     }
-    let session = &mut *stage.session;
+    let is_there = draw_live(ui, stage, &placement);
+    (pixel, is_there.then_some((response, placement)))
+}
+
+/// Draws the picture as it is rendered. False if there is none yet.
+pub(super) fn draw_live(ui: &Ui, stage: &mut Stage<'_>, placement: &Placement) -> bool {
+    let (rect, session) = (stage.rect, &mut *stage.session);
     session.picture.compose(&session.link, stage.settings.part);
     let is_there = session.picture.is_there();
     let covered = if is_there {
@@ -200,14 +206,13 @@ pub(super) fn with_pixel(
         Rect::NOTHING
     };
     fill_around(ui, rect, covered, Palette::of(ui).ground);
-    if !is_there {
-        return (pixel, None);
+    if is_there {
+        let painter = ui.painter().with_clip_rect(rect);
+        let planes = &session.picture.planes;
+        let pictures = Pictures::One(Slot::Live);
+        image_area::draw(&painter, placement, stage.settings, planes, pictures, 0);
     }
-    let painter = ui.painter().with_clip_rect(rect);
-    let planes = &session.picture.planes;
-    let pictures = Pictures::One(Slot::Live);
-    image_area::draw(&painter, &placement, stage.settings, planes, pictures, 0);
-    (pixel, Some((response, placement)))
+    is_there
 }
 
 /// Fills what the picture leaves of the stage.

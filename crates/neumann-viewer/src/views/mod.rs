@@ -12,6 +12,7 @@
 pub mod energy;
 pub mod hemisphere;
 pub mod inspect;
+pub mod lobe;
 pub mod photons;
 pub mod picture;
 mod plate;
@@ -47,6 +48,7 @@ pub static VIEWS: &[&Row] = &[
     &photons::ROW,
     &inspect::ROW,
     &hemisphere::ROW,
+    &lobe::ROW,
     &race::ROW,
     &energy::ROW,
 ];

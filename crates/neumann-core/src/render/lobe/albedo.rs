@@ -1,10 +1,14 @@
 //! The share of the light arriving from a direction that is scattered.
 
-use super::{Drawn, Integrals, LARGEST_ANGLE};
+use super::{Drawn, Integrals, LARGEST_ANGLE, viewer};
+use crate::bsdf::Scatter;
+use crate::pass::{CancelToken, Cancelled};
 use crate::radiometry::Rgb;
 
 /// Degrees from one point of the curve to the next.
 const STEP: f32 = 3.0;
+/// Directions that are drawn for each of them.
+const N_DRAWN: u32 = 1 << 12;
 
 /// The albedo seen under one angle.
 #[derive(Clone, Copy, Debug)]
@@ -43,10 +47,25 @@ impl AlbedoAt {
     }
 }
 
-/// The angles of the curve, degrees, from 0 on.
-pub(super) fn angles() -> impl Iterator<Item = f32> {
+/// The albedo from upright to grazing.
+///
+/// # Errors
+/// [`Cancelled`] if the token was.
+pub fn albedo_curve(
+    bsdf: &impl Scatter,
+    is_behind: bool,
+    cancel: &CancelToken,
+) -> Result<Vec<AlbedoAt>, Cancelled> {
     let n = (LARGEST_ANGLE / STEP) as usize;
-    (0..=n)
-        .map(|i| i as f32 * STEP)
-        .chain(std::iter::once(LARGEST_ANGLE))
+    let angles = (0..=n).map(|i| i as f32 * STEP);
+    let angles = angles.chain(std::iter::once(LARGEST_ANGLE));
+    let at = |angle: f32| {
+        if cancel.is_cancelled() {
+            return Err(Cancelled);
+        }
+        let wo = viewer(angle, is_behind);
+        let drawn = Drawn::new(bsdf, wo, N_DRAWN);
+        Ok(AlbedoAt::new(angle, &Integrals::new(bsdf, wo), &drawn))
+    };
+    angles.map(at).collect()
 }

@@ -23,7 +23,7 @@ mod surface;
 
 use glam::Vec3;
 
-pub use albedo::AlbedoAt;
+pub use albedo::{AlbedoAt, albedo_curve};
 pub use drawn::{DeltaLobe, Drawn};
 pub use polar::{PolarPoint, direction_at};
 pub use quadrature::Integrals;
@@ -41,8 +41,6 @@ pub const ANGLES: [f32; 4] = [0.0, 30.0, 60.0, 80.0];
 pub const LARGEST_ANGLE: f32 = 89.0;
 /// Directions that are drawn for a viewing direction.
 pub const N_DRAWN: u32 = 1 << 15;
-/// The same for a point of the curve of albedo.
-const N_DRAWN_OF_CURVE: u32 = 1 << 12;
 /// Pixels of the diameter of a disk, and samples of a pixel in either direction.
 const EDGE: usize = 64;
 const PER_PIXEL: usize = 3;
@@ -69,25 +67,16 @@ impl Lobes {
         is_behind: bool,
         cancel: &CancelToken,
     ) -> Result<Self, Cancelled> {
-        let go_on = || {
-            let is_over = cancel.is_cancelled();
-            if is_over { Err(Cancelled) } else { Ok(()) }
-        };
         let mut views = Vec::new();
         for angle in angles {
-            go_on()?;
+            if cancel.is_cancelled() {
+                return Err(Cancelled);
+            }
             views.push(Viewed::new(bsdf, *angle, is_behind));
-        }
-        let mut albedo = Vec::new();
-        for angle in albedo::angles() {
-            go_on()?;
-            let wo = viewer(angle, is_behind);
-            let drawn = Drawn::new(bsdf, wo, N_DRAWN_OF_CURVE);
-            albedo.push(AlbedoAt::new(angle, &Integrals::new(bsdf, wo), &drawn));
         }
         Ok(Self {
             views,
-            albedo,
+            albedo: albedo_curve(bsdf, is_behind, cancel)?,
             reciprocity: Reciprocity::of(bsdf),
         })
     }

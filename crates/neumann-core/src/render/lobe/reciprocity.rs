@@ -74,7 +74,7 @@ fn pair(bsdf: &impl Scatter, index: u32) -> Option<[Vec3; 2]> {
         return None;
     }
     let [a, b] = sampler.next_2d();
-    let wi = if index % 2 == 0 {
+    let wi = if index.is_multiple_of(2) {
         warp::uniform_sphere([a, b])
     } else {
         let numbers = [sampler.next_1d(), a, b];

@@ -161,11 +161,6 @@ pub fn figures(view: &Viewed) -> Vec<Figure> {
             about: "Share of the light arriving from there that is scattered, luminance.",
         },
         Figure {
-            name: "max f cos θ",
-            text: format!("{} sr⁻¹", significant(f64::from(most), 3)),
-            about: "The largest value with its cosine, mirror-like lobes not counted.",
-        },
-        Figure {
             name: "Σ p",
             text: significant(view.total_probability(), 4),
             about: "The density summed up over all directions, with the probabilities of \
@@ -173,6 +168,13 @@ pub fn figures(view: &Viewed) -> Vec<Figure> {
                     with the density that is stated.",
         },
     ];
+    if most > 0.0 {
+        figures.push(Figure {
+            name: "max f cos θ",
+            text: format!("{} sr⁻¹", significant(f64::from(most), 3)),
+            about: "The largest value with its cosine, mirror-like lobes not counted.",
+        });
+    }
     if view.drawn.refused > 0.0 {
         figures.push(Figure {
             name: "refused",
@@ -240,7 +242,7 @@ pub(crate) mod tests {
             assert!((largest(view, plotted) - f).abs() < 1e-6);
         }
         let texts: Vec<String> = figures(view).into_iter().map(|f| f.text).collect();
-        assert_eq!(texts, ["50 %", "0.159 sr⁻¹", "1"]);
+        assert_eq!(texts, ["50 %", "1", "0.159 sr⁻¹"]);
         assert!(reciprocity(&lobes).starts_with("reciprocity holds"));
     }
 }

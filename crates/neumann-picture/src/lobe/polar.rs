@@ -105,10 +105,14 @@ impl PolarChart {
     }
 }
 
-/// Rings at round values; the outermost is the largest value.
+/// Rings with their values; the outermost is the largest value, or all of the light where there are
+/// mirror-like lobes alone.
 fn rings(most: f32, radius: Radius) -> Vec<Ring> {
     if most <= 0.0 {
-        return Vec::new();
+        return vec![Ring {
+            radius: 1.0,
+            label: "100 %".to_owned(),
+        }];
     }
     let label = |value: f32, figures| significant(f64::from(value), figures);
     match radius {

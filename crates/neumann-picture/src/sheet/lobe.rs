@@ -56,7 +56,7 @@ pub fn lobe_sheet(sheet: &LobeSheet<'_>) -> Pixels8 {
     let polar = if is_whole { COLUMN } else { COLUMN / 2 };
     let disk = COLUMN * 2 / 3;
     let disk = if is_whole { COLUMN / 2 } else { disk };
-    let top = MARGIN + HEADING;
+    let top = MARGIN + HEADING + 2 * UNIT;
     let tops = Tops {
         polar: top + LINE,
         solid: top + LINE + polar + 5 * UNIT,
@@ -198,11 +198,16 @@ impl Page<'_> {
         for arrow in &chart.arrows {
             self.arrow([at([0.0, 0.0]), at(arrow.tip)]);
         }
-        for ring in &chart.rings {
+        // From the outermost inwards, as far as numbers do not cover each other.
+        let mut free = f32::INFINITY;
+        for ring in chart.rings.iter().rev() {
             let place = at([ring.radius, 0.0]);
-            let down = if side { -4.0 } else { 15.0 };
-            let place = (place.0 as usize, (place.1 + down).max(0.0) as usize);
-            self.write(&ring.label, place, Align::Right, &TICK);
+            if place.0 < free {
+                free = place.0 - self.typesetter.width(&ring.label, &TICK) - UNIT as f32;
+                let down = if side { -4.0 } else { 15.0 };
+                let place = (place.0 as usize, (place.1 + down).max(0.0) as usize);
+                self.write(&ring.label, place, Align::Right, &TICK);
+            }
         }
     }
 
@@ -233,7 +238,7 @@ impl Page<'_> {
     }
 
     fn disks(&mut self, view: &Viewed, (x, y): (usize, usize)) {
-        let disk = Disk::new(view);
+        let disk = Disk::new(view, self.sheet.plot.radius);
         let (columns, rows) = disk.size;
         let diameter = self.disk;
         let scale = diameter as f32 / rows as f32;
@@ -263,12 +268,8 @@ impl Page<'_> {
             self.path(&corners, 4.0, GROUND);
             self.path(&corners, 2.0, BRIGHT);
         }
-        let note = match disk.white {
-            Some(white) => format!("density, yellow: {} sr⁻¹", significant(f64::from(white), 2)),
-            None => "no density".to_owned(),
-        };
         let below = (x, y + diameter + LINE);
-        self.write(&note, below, Align::Left, &NOTE);
+        self.write(&disk.note(), below, Align::Left, &NOTE);
     }
 
     fn albedo(&mut self, rect: Rect) {

@@ -12,6 +12,7 @@ mod hemisphere;
 mod histogram;
 mod inspect;
 mod kept_views;
+mod lobe;
 mod race;
 mod region;
 mod series;

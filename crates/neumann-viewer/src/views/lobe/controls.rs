@@ -7,7 +7,7 @@ use super::worker::Choice;
 use super::{LobeView, curve, name_of};
 use crate::session::Session;
 use crate::theme::{GRID, Palette};
-use crate::widgets::{choice_row, hint, row_button, switch};
+use crate::widgets::{hint, row_button, segments, switch};
 
 /// Width of the list of materials.
 const LIST: f32 = 220.0;
@@ -43,7 +43,7 @@ fn choices(ui: &mut Ui, view: &mut LobeView, session: &Session) {
     let material = view.material();
     let name = material.map_or("no material".to_owned(), |m| name_of(session, m));
     let name = format!("Material: {name}");
-    let row = row_button(ui, &name, "▾", view.menu.is_some());
+    let row = row_button(ui, &name, "list", view.menu.is_some());
     let spot = row.rect;
     let about = "The material that is looked at. Opens the list of all; ← and → step through it, \
                  and a click into the picture takes the surface there.";
@@ -58,24 +58,21 @@ fn choices(ui: &mut Ui, view: &mut LobeView, session: &Session) {
     let about = "Looks from the other side of the surface: from inside glass.";
     let side = switch(ui, "Other side", &mut view.is_other_side);
     side.on_hover_text(about);
-    let names = Plotted::ALL.map(Plotted::name);
-    let about = |i: usize| Plotted::ALL[i].about().to_owned();
-    let chosen = Plotted::ALL.iter().position(|p| *p == view.plot.plotted);
-    if let Some(i) = choice_row(ui, "Plot", &names, about, chosen.unwrap_or(0)) {
-        view.plot.plotted = Plotted::ALL[i];
-    }
-    let names = Radius::ALL.map(Radius::name);
-    let about = |i: usize| Radius::ALL[i].about().to_owned();
-    let chosen = Radius::ALL.iter().position(|r| *r == view.plot.radius);
-    if let Some(i) = choice_row(
-        ui,
-        "Distance from the middle",
-        &names,
-        about,
-        chosen.unwrap_or(0),
-    ) {
-        view.plot.radius = Radius::ALL[i];
-    }
+    ui.horizontal_wrapped(|ui| {
+        let names = Plotted::ALL.map(Plotted::name);
+        let about = |i: usize| Plotted::ALL[i].about().to_owned();
+        let chosen = Plotted::ALL.iter().position(|p| *p == view.plot.plotted);
+        if let Some(i) = segments(ui, "plot", &names, about, chosen.unwrap_or(0)) {
+            view.plot.plotted = Plotted::ALL[i];
+        }
+        let names = Radius::ALL.map(Radius::name);
+        let about = |i: usize| Radius::ALL[i].about().to_owned();
+        let chosen = Radius::ALL.iter().position(|r| *r == view.plot.radius);
+        let name = "distance from the middle";
+        if let Some(i) = segments(ui, name, &names, about, chosen.unwrap_or(0)) {
+            view.plot.radius = Radius::ALL[i];
+        }
+    });
 }
 
 /// Where its textures are read.

@@ -56,7 +56,7 @@ const WIDE: f32 = 680.0;
 /// Width of what stands beside the panels: at least, at most, and as a share of the stage.
 const SIDE: (f32, f32, f32) = (190.0, 260.0, 0.24);
 /// Height of what stands above them.
-const STRIP: f32 = 150.0;
+const STRIP: f32 = 128.0;
 /// The least width of a panel.
 const PANEL: f32 = 150.0;
 
@@ -193,14 +193,16 @@ impl LobeView {
                 };
                 let width = ((room + gap) / n_columns as f32 - gap).floor();
                 let is_whole = lobes.views.iter().any(|v| v.drawn.is_transmissive);
-                let size = vec2(width, panel::height(width, is_whole));
+                let heights = panel::Heights::new(width, rect.height(), is_whole);
+                let size = vec2(width, heights.total());
                 let n_rows = lobes.views.len().div_ceil(n_columns);
                 let all = vec2(room, (size.y + GRID) * n_rows as f32);
                 let (all, _) = ui.allocate_exact_size(all, egui::Sense::hover());
                 for i in 0..lobes.views.len() {
                     let (column, row) = ((i % n_columns) as f32, (i / n_columns) as f32);
                     let at = all.min + vec2(column * (width + gap), row * (size.y + GRID));
-                    panel::show(ui, Rect::from_min_size(at, size), self, &lobes, i, is_whole);
+                    let place = Rect::from_min_size(at, size);
+                    panel::show(ui, place, self, &lobes, i, (heights, is_whole));
                 }
                 if with_curve {
                     curve::show(ui, &lobes);
@@ -258,7 +260,6 @@ impl View for LobeView {
     fn draw(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
         let p = Palette::of(ui);
         let whole = stage.rect;
-        ground::fill(ui, whole, p.ground);
         let (least, most, share) = SIDE;
         let is_wide = whole.width() >= WIDE;
         let (picture, controls, panels) = if is_wide {
@@ -278,6 +279,7 @@ impl View for LobeView {
             (picture, controls, panels)
         };
         let hovered = self.draw_picture(ui, stage, picture);
+        ground::fill(ui, panels, p.ground);
         theme::fill_panel(ui, controls);
         controls::show(ui, controls, self, stage.session, is_wide);
         self.draw_panels(ui, panels.shrink2(Vec2::new(2.0 * GRID, GRID)), !is_wide);

@@ -4,13 +4,15 @@
 use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;
 
+use egui::epaint::Vertex;
 use egui::{
-    Align2, Color32, ColorImage, Context, CursorIcon, Rect, Role, Sense, TextureHandle,
-    TextureOptions, Ui, UiBuilder, Vec2, WidgetInfo, pos2, vec2,
+    Align2, Color32, ColorImage, Context, CursorIcon, Mesh, Pos2, Rect, Role, Sense, Shape, Stroke,
+    TextureHandle, TextureOptions, Ui, UiBuilder, Vec2, WidgetInfo, pos2, vec2,
 };
 use neumann_core::render::lobe::{LARGEST_ANGLE, Lobes, Viewed};
 use neumann_picture::figures::significant;
-use neumann_picture::lobe::{Disk, Plot, SolidStyle, Turn, draw, figures};
+use neumann_picture::hemisphere::ring;
+use neumann_picture::lobe::{Disk, Plot, Radius, SolidStyle, Turn, draw, figures};
 
 use super::{LobeView, polar};
 use crate::theme::{self, GRID, Palette};
@@ -22,8 +24,9 @@ const FIGURE: f32 = 18.0;
 const LABEL: f32 = 20.0;
 /// Most figures of a view.
 const N_FIGURES: f32 = 5.0;
-/// The largest width of plots.
-const WIDEST: f32 = 300.0;
+/// The largest width of plots, and the least that they are made smaller to.
+const WIDEST: f32 = 320.0;
+const NARROWEST: f32 = 130.0;
 /// Radians for a drag across a lobe's height, and for an arrow.
 const TURN: f32 = 3.0;
 const STEP: f32 = 0.1;
@@ -35,7 +38,7 @@ type Drawn = (Plot, Turn, [usize; 2], SolidStyle);
 pub(super) struct Panel {
     of: Arc<Lobes>,
     solid: Option<(TextureHandle, Drawn)>,
-    disk: Option<(Disk, TextureHandle)>,
+    disk: Option<(Disk, TextureHandle, Radius)>,
 }
 
 /// Forgets pictures of other lobes.
@@ -52,8 +55,9 @@ pub(super) fn follow(panels: &mut Vec<Panel>, lobes: &Arc<Lobes>) {
     }
 }
 
-/// Heights of the plots in a panel of a width.
-struct Heights {
+/// Heights of the plots of a panel, and their width.
+#[derive(Clone, Copy)]
+pub(super) struct Heights {
     width: f32,
     polar: f32,
     solid: f32,
@@ -61,21 +65,26 @@ struct Heights {
 }
 
 impl Heights {
-    fn new(width: f32, is_whole: bool) -> Self {
-        let width = width.min(WIDEST);
-        Self {
+    /// In a column of a width; narrower where all of it fits a height then.
+    pub(super) fn new(column: f32, room: f32, is_whole: bool) -> Self {
+        let of = |width: f32| Self {
             width,
             polar: polar::height(width, is_whole),
-            solid: if is_whole { 0.9 * width } else { 0.62 * width },
+            solid: if is_whole { 0.75 * width } else { 0.62 * width },
             disk: if is_whole { 0.5 * width } else { 0.62 * width },
-        }
+        };
+        let widest = of(column.min(WIDEST));
+        let too_much = widest.total() - room;
+        // Heights of plots grow as their width does.
+        let share = (widest.polar + widest.solid + widest.disk) / widest.width;
+        let fit = (widest.width - too_much.max(0.0) / share).floor();
+        if fit >= NARROWEST { of(fit) } else { widest }
     }
-}
 
-/// Height of a panel of a width.
-pub(super) fn height(width: f32, is_whole: bool) -> f32 {
-    let h = Heights::new(width, is_whole);
-    SLIDER + h.polar + h.solid + h.disk + LABEL + N_FIGURES * FIGURE + 4.0 * GRID
+    /// Of the whole panel.
+    pub(super) fn total(self) -> f32 {
+        SLIDER + self.polar + self.solid + self.disk + LABEL + N_FIGURES * FIGURE + 4.0 * GRID
+    }
 }
 
 /// Draws the panel of a view.
@@ -85,9 +94,8 @@ pub(super) fn show(
     view: &mut LobeView,
     lobes: &Arc<Lobes>,
     index: usize,
-    is_whole: bool,
+    (h, is_whole): (Heights, bool),
 ) {
-    let h = Heights::new(rect.width(), is_whole);
     let viewed = &lobes.views[index];
     let left = rect.center().x - 0.5 * h.width;
     let mut top = rect.top();
@@ -111,13 +119,9 @@ pub(super) fn show(
         view.angles[index] = angle as f32;
         polar::show(ui, next(h.polar), viewed, view.plot, is_whole);
         solid(ui, next(h.solid), view, viewed, index);
-        disk(
-            ui,
-            next(h.disk + LABEL),
-            &mut view.panels[index],
-            viewed,
-            h.disk,
-        );
+        let place = next(h.disk + LABEL);
+        let radius = view.plot.radius;
+        disk(ui, place, &mut view.panels[index], viewed, radius);
         rows(ui, next(N_FIGURES * FIGURE), viewed);
     });
 }
@@ -200,46 +204,59 @@ fn solid(ui: &Ui, rect: Rect, view: &mut LobeView, viewed: &Viewed, index: usize
 }
 
 /// The density with the directions that were drawn.
-fn disk(ui: &Ui, rect: Rect, panel: &mut Panel, viewed: &Viewed, diameter: f32) {
+fn disk(ui: &Ui, rect: Rect, panel: &mut Panel, viewed: &Viewed, radius: Radius) {
     let p = Palette::of(ui);
-    let (disk, texture) = panel.disk.get_or_insert_with(|| {
-        let disk = Disk::new(viewed);
+    let diameter = rect.height() - LABEL;
+    if panel.disk.as_ref().is_none_or(|(_, _, of)| *of != radius) {
+        let disk = Disk::new(viewed, radius);
         let (w, h) = disk.size;
         let image = ColorImage::new([w, h], colours(&disk.pixels));
-        let texture = texture(ui.ctx(), image, None);
-        (disk, texture)
-    });
+        let old = panel.disk.take().map(|(_, texture, _)| texture);
+        panel.disk = Some((disk, texture(ui.ctx(), image, old), radius));
+    }
+    let Some((disk, texture, _)) = &panel.disk else {
+        return;
+    };
     let (columns, rows) = disk.size;
     let scale = diameter / rows as f32;
     let n_disks = columns / rows.max(1);
     let width = columns as f32 * scale;
     let left = rect.center().x - 0.5 * width;
     let place = Rect::from_min_size(pos2(left, rect.top()), vec2(width, diameter));
-    let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
     let painter = ui.painter();
-    painter.image(texture.id(), place, uv, Color32::WHITE);
     for i in 0..n_disks {
         let middle = place.min + vec2((i as f32 + 0.5) * diameter, 0.5 * diameter);
-        cover_corners(
-            ui,
-            Rect::from_center_size(middle, Vec2::splat(diameter)),
-            &p,
-        );
+        let corners = ring(middle.into(), 0.5 * diameter)
+            .into_iter()
+            .map(Pos2::from);
+        let mut mesh = Mesh::with_texture(texture.id());
+        for corner in std::iter::once(middle).chain(corners.clone()) {
+            mesh.vertices.push(Vertex {
+                pos: corner,
+                uv: ((corner - place.min) / place.size()).to_pos2(),
+                color: Color32::WHITE,
+            });
+        }
+        for i in 1..mesh.vertices.len() as u32 - 1 {
+            mesh.add_triangle(0, i, i + 1);
+        }
+        painter.add(mesh);
+        painter.add(Shape::closed_line(
+            corners.collect(),
+            Stroke::new(1.0, p.line),
+        ));
     }
     let at = |[x, y]: [f32; 2]| place.min + vec2(x, y) * scale;
-    let radius = (diameter / 110.0).clamp(0.7, 1.5);
+    let size = (diameter / 110.0).clamp(0.7, 1.5);
     for dot in &disk.dots {
-        painter.circle_filled(at(*dot), radius + 0.6, Color32::BLACK);
-        painter.circle_filled(at(*dot), radius, Color32::WHITE);
+        painter.circle_filled(at(*dot), size + 0.6, Color32::BLACK);
+        painter.circle_filled(at(*dot), size, Color32::WHITE);
     }
     for point in &disk.points {
         painter.circle_stroke(at(*point), 4.5, (3.0, Color32::BLACK));
         painter.circle_stroke(at(*point), 4.5, (1.5, Color32::WHITE));
     }
-    let note = match disk.white {
-        Some(white) => format!("density, yellow: {} sr⁻¹", significant(f64::from(white), 2)),
-        None => "no density".to_owned(),
-    };
+    let note = disk.note();
     let below = pos2(rect.center().x, place.bottom() + 4.0);
     painter.text(below, Align2::CENTER_TOP, &note, theme::small(), p.weak);
     let response = ui.interact(rect, ui.scope_id().with("disk"), Sense::hover());
@@ -249,18 +266,6 @@ fn disk(ui: &Ui, rect: Rect, panel: &mut Panel, viewed: &Viewed, diameter: f32) 
          the normal, the viewer is below; rings are mirror-like directions. Where light passes \
          through the surface, the second disk has the directions behind it.",
     );
-}
-
-/// Fills what a square leaves of its disk.
-fn cover_corners(ui: &Ui, square: Rect, p: &Palette) {
-    let radius = 0.5 * square.width();
-    // A ring so wide that it reaches the corners, clipped to the square.
-    let width = radius * (std::f32::consts::SQRT_2 - 1.0) + 2.0;
-    let painter = ui
-        .painter()
-        .with_clip_rect(square.expand(1.0).intersect(ui.clip_rect()));
-    painter.circle_stroke(square.center(), radius + 0.5 * width, (width, p.ground));
-    painter.circle_stroke(square.center(), radius, (1.0, p.line));
 }
 
 fn rows(ui: &Ui, rect: Rect, viewed: &Viewed) {

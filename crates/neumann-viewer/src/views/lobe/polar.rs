@@ -10,6 +10,8 @@ use crate::theme::{self, GRID, Palette};
 
 /// Room for numbers at the surface.
 const NUMBERS: f32 = 2.0 * GRID;
+/// Length of the head of an arrow.
+const HEAD: f32 = 7.0;
 /// Segments of a ring.
 const N_SEGMENTS: usize = 96;
 
@@ -67,7 +69,14 @@ pub(super) fn show(ui: &Ui, rect: Rect, viewed: &Viewed, plot: Plot, is_whole: b
     }
     for arrow in &chart.arrows {
         let tip = at(arrow.tip);
-        painter.arrow(origin, tip - origin, Stroke::new(2.0, p.strong));
+        let along = (tip - origin).normalized();
+        let stroke = Stroke::new(2.0, p.strong);
+        painter.line_segment([origin, tip], stroke);
+        let head = HEAD.min(origin.distance(tip));
+        for side in [-0.5, 0.5] {
+            let barb = tip - head * (along + side * along.rot90());
+            painter.line_segment([tip, barb], stroke);
+        }
     }
     let side = if is_behind {
         Align2::RIGHT_BOTTOM

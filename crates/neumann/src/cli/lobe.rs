@@ -12,10 +12,10 @@ use crate::options::{CameraArguments, LoadArguments, backs, size, viewing_angle}
 #[command(
     after_help = "The BSDF of a material from some viewing directions: values in the plane of the \
     viewer and over all directions, the density of BSDF sampling with the first directions that it \
-    draws, and the albedo over the angle. Mirror-like lobes have no values; they are arrows as long \
-    as the share of the light that they scatter.\n\n\
-    --material takes the material by itself, its textures at (0, 0); --pixel the first surface that \
-    the ray through the middle of the pixel meets, with its textures there.\n\n\
+    draws, and the albedo over the angle. Mirror-like lobes have no values; they are arrows as \
+    long as the share of the light that they scatter.\n\n\
+    --material takes the material by itself, its textures at (0, 0); --pixel the first surface \
+    that the ray through the middle of the pixel meets, with its textures there.\n\n\
     Σ p is the density summed up over all directions, with the probabilities of mirror-like lobes \
     and of no direction at all: it has to be 1.\n\n\
     Examples:\n  \

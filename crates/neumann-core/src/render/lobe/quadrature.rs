@@ -1,5 +1,5 @@
-//! Integrals over all directions, by Gauss's rule over cells of the two angles that are halved where
-//! it is not exact.
+//! Integrals over all directions, by Gauss's rule over cells of the two angles that are halved
+//! where it is not exact.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -1,6 +1,6 @@
-//! Does light meet the same BSDF either way? Helmholtz: `f(wo, wi) = f*(wi, wo)`, where `f*` is what
-//! importance meets; on one side of the surface the two are the same, across it they differ by the
-//! squared ratio of the indices of refraction ([Veach 1997] 5.2).
+//! Does light meet the same BSDF either way? Helmholtz: `f(wo, wi) = f*(wi, wo)`, where `f*` is
+//! what importance meets; on one side of the surface the two are the same, across it they differ by
+//! the squared ratio of the indices of refraction ([Veach 1997] 5.2).
 
 use glam::Vec3;
 

@@ -1,5 +1,5 @@
-//! A BSDF as a solid: every direction at the distance of its value. A grid of directions, fine where
-//! lobes are narrow.
+//! A BSDF as a solid: every direction at the distance of its value. A grid of directions, fine
+//! where lobes are narrow.
 
 use glam::Vec3;
 

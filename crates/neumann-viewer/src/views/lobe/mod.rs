@@ -36,7 +36,7 @@ pub use self::worker::Choice;
 pub static ROW: Row = Row {
     id: ID,
     page: Page::Method,
-    title: "Lobes of materials",
+    title: "Lobes",
     about: "The BSDF of a material from four viewing directions: polar plots, lobes in space, \
             sampled directions, albedo and reciprocity",
     key: Some(keys::line(

@@ -243,7 +243,7 @@ fn disk(ui: &Ui, rect: Rect, panel: &mut Panel, viewed: &Viewed, radius: Radius)
         painter.add(mesh);
         painter.add(Shape::closed_line(
             corners.collect(),
-            Stroke::new(1.0, p.line),
+            Stroke::new(1.0, p.weak.gamma_multiply(0.4)),
         ));
     }
     let at = |[x, y]: [f32; 2]| place.min + vec2(x, y) * scale;
@@ -262,8 +262,8 @@ fn disk(ui: &Ui, rect: Rect, panel: &mut Panel, viewed: &Viewed, radius: Radius)
     let response = ui.interact(rect, ui.scope_id().with("disk"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &note));
     response.on_hover_text(
-        "How densely BSDF sampling draws directions, and the first that it has drawn. The middle is \
-         the normal, the viewer is below; rings are mirror-like directions. Where light passes \
+        "How densely BSDF sampling draws directions, and the first that it has drawn. The middle \
+         is the normal, the viewer is below; rings are mirror-like directions. Where light passes \
          through the surface, the second disk has the directions behind it.",
     );
 }

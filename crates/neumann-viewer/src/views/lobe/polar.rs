@@ -40,7 +40,7 @@ pub(super) fn show(ui: &Ui, rect: Rect, viewed: &Viewed, plot: Plot, is_whole: b
     let origin = pos2(rect.center().x, y);
     let at = |[x, y]: [f32; 2]| pos2(origin.x + radius * x, origin.y - radius * y);
     let painter = ui.painter();
-    let thin = Stroke::new(1.0, p.line);
+    let thin = Stroke::new(1.0, p.weak.gamma_multiply(0.4));
     let (from, length) = match (is_whole, is_behind) {
         (true, _) => (0.0, std::f32::consts::TAU),
         (false, false) => (0.0, std::f32::consts::PI),

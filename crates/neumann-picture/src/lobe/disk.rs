@@ -93,6 +93,6 @@ mod tests {
         let edge = disk.pixels[height / 2 * width];
         assert!(near(edge, map.rgb(0.02)), "{edge:?}");
         assert_eq!(disk.dots.len(), 400);
-        assert_eq!(disk.note(), "density, yellow: ≥ 0.32 sr⁻¹");
+        assert_eq!(disk.note(), "density, yellow: ≥ 0.31 sr⁻¹");
     }
 }

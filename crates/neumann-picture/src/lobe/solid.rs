@@ -104,7 +104,7 @@ impl Sight {
         let (scale, down) = if view.drawn.is_transmissive {
             (0.48 * w.min(h), 0.5)
         } else {
-            let (over, under) = (along + 0.04, up.abs().max(0.04) + 0.04);
+            let (over, under) = (1.04, up.abs().max(0.04) + 0.04);
             let scale = (0.48 * w).min(0.96 * h / (over + under));
             let down = 0.5 + 0.5 * (over - under) * scale / h;
             (scale, if view.wo.z > 0.0 { down } else { 1.0 - down })

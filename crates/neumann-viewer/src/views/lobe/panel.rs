@@ -27,6 +27,8 @@ const N_FIGURES: f32 = 5.0;
 /// The largest width of plots, and the least that they are made smaller to.
 const WIDEST: f32 = 320.0;
 const NARROWEST: f32 = 130.0;
+/// Square points of a disk for each of its dots, at least.
+const DOT: f32 = 70.0;
 /// Radians for a drag across a lobe's height, and for an arrow.
 const TURN: f32 = 3.0;
 const STEP: f32 = 0.1;
@@ -248,7 +250,9 @@ fn disk(ui: &Ui, rect: Rect, panel: &mut Panel, viewed: &Viewed, radius: Radius)
     }
     let at = |[x, y]: [f32; 2]| place.min + vec2(x, y) * scale;
     let size = (diameter / 110.0).clamp(0.7, 1.5);
-    for dot in &disk.dots {
+    // As many as leave something of the colours to be seen.
+    let n_dots = (diameter * diameter / DOT) as usize;
+    for dot in disk.dots.iter().take(n_dots) {
         painter.circle_filled(at(*dot), size + 0.6, Color32::BLACK);
         painter.circle_filled(at(*dot), size, Color32::WHITE);
     }

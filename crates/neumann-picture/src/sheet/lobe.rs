@@ -64,7 +64,7 @@ pub fn lobe_sheet(sheet: &LobeSheet<'_>) -> Pixels8 {
         figures: top + LINE + polar + SOLID + disk + 12 * UNIT,
     };
     let chart = tops.figures + n_lines * LINE + 4 * UNIT;
-    let height = chart + CHART + 9 * UNIT + MARGIN;
+    let height = chart + CHART + 10 * UNIT + MARGIN;
     let mut page = Page {
         canvas: Canvas::new(2 * MARGIN + room, height, GROUND),
         typesetter: Typesetter::new(),
@@ -276,9 +276,6 @@ impl Page<'_> {
         let chart = AlbedoChart::new(self.sheet.lobes);
         let title = "albedo over the angle to the normal";
         self.write(title, (rect.x, rect.y), Align::Left, &WORDS);
-        let words = reciprocity(self.sheet.lobes);
-        let right = (rect.x + rect.width, rect.y);
-        self.write(&words, right, Align::Right, &NOTE);
         let plot = Rect {
             x: rect.x + 5 * UNIT,
             y: rect.y + 2 * UNIT,
@@ -323,7 +320,11 @@ impl Page<'_> {
         if !chart.specular.is_empty() {
             words += "; dashes: what mirror-like lobes scatter";
         }
-        let below = (plot.x, plot.y + plot.height + 5 * UNIT);
-        self.write(&words, below, Align::Left, &NOTE);
+        let below = plot.y + plot.height + 5 * UNIT;
+        self.write(&words, (plot.x, below), Align::Left, &NOTE);
+        let words = reciprocity(self.sheet.lobes);
+        let room = plot.width as f32;
+        let words = self.typesetter.shortened(&words, &NOTE, room);
+        self.write(&words, (plot.x, below + LINE), Align::Left, &NOTE);
     }
 }

@@ -16,6 +16,7 @@ mod hemisphere;
 mod inspection;
 mod light_choice;
 mod lights;
+mod lobes;
 mod media;
 mod merging;
 mod own_light;

@@ -7,9 +7,9 @@
 //! [`agreement`] whether that is chance, and [`race`] lets methods come near at equal time;
 //! [`photons`] colours photons, [`quantity`] what a pixel holds beside radiance; [`histogram`]
 //! counts how bright they are; [`inspection`] says by which paths light came to one,
-//! [`hemisphere`] from where; [`energy`] says what the terms are worth; [`axis`] is one of a
-//! chart; [`sheet`] lays out the series; [`figures`] writes numbers; [`state`] keeps all that a
-//! person has chosen.
+//! [`hemisphere`] from where; [`lobe`] plots BSDFs; [`energy`] says what the terms are worth;
+//! [`axis`] is one of a chart; [`sheet`] lays out the series; [`figures`] writes numbers; [`state`]
+//! keeps all that a person has chosen.
 //!
 //! Knows no window and no terminal.
 
@@ -26,6 +26,7 @@ pub mod hemisphere;
 pub mod histogram;
 pub mod image_file;
 pub mod inspection;
+pub mod lobe;
 pub mod photons;
 pub mod png_file;
 pub mod quantity;

@@ -3,6 +3,7 @@
 mod agree;
 mod hemisphere;
 mod inspect;
+mod lobe;
 mod race;
 mod replay;
 
@@ -23,6 +24,7 @@ use crate::options::{
 pub(crate) use agree::AgreeArguments;
 pub(crate) use hemisphere::HemisphereArguments;
 pub(crate) use inspect::InspectArguments;
+pub(crate) use lobe::LobeArguments;
 pub(crate) use race::RaceArguments;
 pub(crate) use replay::ReplayArguments;
 
@@ -81,6 +83,8 @@ pub(crate) enum Command {
     Inspect(InspectArguments),
     /// Show the reflection equation at the surface point that a pixel shows
     Hemisphere(HemisphereArguments),
+    /// Show the BSDF of a material: polar plots, lobes, sampled directions, albedo, reciprocity
+    Lobe(LobeArguments),
     /// Measure how far two pictures are apart: RMSE, relMSE, FLIP, mean ratio
     Compare(CompareArguments),
     /// List built-in scenes, integrators or their parameters

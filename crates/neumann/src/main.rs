@@ -18,6 +18,7 @@ mod info;
 mod inspect;
 mod interrupt;
 mod list;
+mod lobe;
 mod merge;
 mod options;
 mod outputs;
@@ -58,6 +59,7 @@ fn main() -> ExitCode {
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Inspect(arguments)) => inspect::run(&arguments),
         Some(Command::Hemisphere(arguments)) => hemisphere::run(&arguments),
+        Some(Command::Lobe(arguments)) => lobe::run(&arguments),
         Some(Command::Series(arguments)) => series::run(&arguments),
         Some(Command::Race(arguments)) => race::run(&arguments),
         Some(Command::Agree(arguments)) => agree::run(&arguments),

@@ -29,7 +29,9 @@ use crate::session::Shard;
 use crate::suggest::check_scene;
 
 pub(crate) use classes::ClassOptions;
-pub(crate) use parse::{bytes, pixel, positive, probability, region, size, technique, whole};
+pub(crate) use parse::{
+    bytes, pixel, positive, probability, region, size, technique, viewing_angle, whole,
+};
 
 /// Highest power of T where nothing else is asked for.
 const DEFAULT_MAX_BOUNCES: u32 = 16;
@@ -430,7 +432,7 @@ pub(crate) fn photon_colours() -> impl TypedValueParser<Value = PhotonColours> {
     PossibleValuesParser::new(names).try_map(|name| name.parse::<PhotonColours>())
 }
 
-fn backs() -> impl TypedValueParser<Value = Backs> {
+pub(crate) fn backs() -> impl TypedValueParser<Value = Backs> {
     PossibleValuesParser::new(Backs::ALL.map(Backs::name))
         .map(|name| Backs::named(&name).unwrap_or_default())
 }

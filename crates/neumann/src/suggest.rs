@@ -67,7 +67,10 @@ fn scenes<'a>() -> impl Iterator<Item = &'a str> {
 }
 
 /// The candidate that a name is a misspelling or the beginning of.
-fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(
+    name: &str,
+    candidates: impl Iterator<Item = &'a str>,
+) -> Option<&'a str> {
     let name = name.to_lowercase();
     let n_mistakes = (name.chars().count() / 3).clamp(1, 3);
     candidates

@@ -19,6 +19,8 @@ mod files_of_others;
 mod hemisphere;
 #[path = "command/inspect.rs"]
 mod inspect;
+#[path = "command/lobe.rs"]
+mod lobe;
 #[path = "command/photons.rs"]
 mod photons;
 #[path = "command/race.rs"]

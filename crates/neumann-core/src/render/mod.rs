@@ -11,6 +11,7 @@ mod inspection;
 mod iteration_times;
 mod job;
 mod ladder;
+pub mod lobe;
 mod own_light;
 mod photons;
 mod pool;

@@ -14,6 +14,7 @@ pub mod energy;
 pub mod hemisphere;
 pub mod inspect;
 pub mod layers;
+pub mod lobe;
 pub mod photons;
 pub mod picture;
 mod plate;
@@ -50,6 +51,7 @@ pub static VIEWS: &[&Row] = &[
     &inspect::ROW,
     &hemisphere::ROW,
     &layers::ROW,
+    &lobe::ROW,
     &race::ROW,
     &energy::ROW,
 ];

@@ -13,6 +13,7 @@ mod histogram;
 mod inspect;
 mod kept_views;
 mod layers;
+mod lobe;
 mod race;
 mod region;
 mod series;

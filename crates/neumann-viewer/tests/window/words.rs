@@ -140,6 +140,10 @@ fn every_control_of_pages_and_views_says_what_it_does() {
             walk(&mut harness, "wipe of the race", &mut all);
         }
     }
+    let mut lobes = crate::lobe::looking([1280.0, 2400.0]);
+    walk(&mut lobes, "lobes", &mut all);
+    crate::lobe::open_list(&mut lobes);
+    faults(&lobes, "materials of lobes", &mut all);
     let all: Vec<_> = all.into_iter().collect();
     assert!(all.is_empty(), "{} faults:\n{}", all.len(), all.join("\n"));
 }

@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use glam::Vec3;
+use neumann_core::render::lobe::LARGEST_ANGLE;
 
 use super::Exposure;
 
@@ -167,6 +168,13 @@ pub(super) fn exposure(text: &str) -> Result<Exposure, String> {
 pub(super) fn angle_of_view(text: &str) -> Result<f32, String> {
     number(text, "use degrees between 0 and 180", |v| {
         v > 0.0 && v < 180.0
+    })
+}
+
+/// Degrees from the normal to a viewer, who does not look along the surface.
+pub(crate) fn viewing_angle(text: &str) -> Result<f32, String> {
+    number(text, "use degrees from 0 to 89", |v| {
+        (0.0..=LARGEST_ANGLE).contains(&v)
     })
 }
 

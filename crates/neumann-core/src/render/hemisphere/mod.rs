@@ -24,10 +24,11 @@ mod terms;
 
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
 pub use map::DirectionMap;
+pub(super) use ray::ray_of_pixel;
 pub use ray::settings_of_ray;
 pub use running::{Moment, Running};
 pub use terms::{Estimator, Integrand, NoSurface, Point};
@@ -35,7 +36,6 @@ pub use terms::{Estimator, Integrand, NoSurface, Point};
 use super::inspection::Measured;
 use super::{RenderSettings, WorkerPool};
 use crate::bsdf::{Bsdf, TransportMode};
-use crate::endpoint::Camera;
 use crate::film::{Contribution, View};
 use crate::integrator::path_tracing::mis::onward::{CHOICE, Onward};
 use crate::math::Ray;
@@ -103,9 +103,7 @@ impl Hemisphere {
         pixel: [u32; 2],
         edge: usize,
     ) -> Result<Self, NoSurface> {
-        let camera = Camera::new(&settings.camera, settings.width, settings.height);
-        let raster = Vec2::new(pixel[0] as f32 + 0.5, pixel[1] as f32 + 0.5);
-        let ray = camera.ray(raster, [0.5, 0.5]).ray;
+        let ray = ray_of_pixel(settings, pixel);
         let mut tracer = Tracer::new(&scene);
         let seen = Seen::along(&ray, &mut tracer).ok_or(NoSurface::Nothing)?;
         let vertex = &seen.vertex;
@@ -404,15 +402,15 @@ impl Hemisphere {
 }
 
 /// The surface point, met again.
-struct Seen<'a> {
-    vertex: SurfaceVertex<'a>,
+pub(super) struct Seen<'a> {
+    pub(super) vertex: SurfaceVertex<'a>,
     /// What is between it and the lens.
     media: Media,
     transmittance: Rgb,
 }
 
 impl<'a> Seen<'a> {
-    fn along(ray: &Ray, tracer: &mut Tracer<'a>) -> Option<Self> {
+    pub(super) fn along(ray: &Ray, tracer: &mut Tracer<'a>) -> Option<Self> {
         let mut media = tracer.begin_at_camera(ray);
         let mut transmittance = Rgb::WHITE;
         let vertex = tracer.meet(ray, &mut media, &mut transmittance)?;

@@ -1,5 +1,9 @@
 //! The pixel as a ray, for whoever renders it for comparison.
 
+use glam::Vec2;
+
+use crate::endpoint::Camera;
+use crate::math::Ray;
 use crate::render::RenderSettings;
 use crate::scene::description::Crop;
 
@@ -7,6 +11,13 @@ use crate::scene::description::Crop;
 /// pixels in either direction.
 const ENLARGED: usize = 1024;
 const SPOT: usize = 8;
+
+/// The ray through the middle of the lens and of a pixel (column and row).
+pub(in crate::render) fn ray_of_pixel(settings: &RenderSettings, pixel: [u32; 2]) -> Ray {
+    let camera = Camera::new(&settings.camera, settings.width, settings.height);
+    let raster = Vec2::new(pixel[0] as f32 + 0.5, pixel[1] as f32 + 0.5);
+    camera.ray(raster, [0.5, 0.5]).ray
+}
 
 /// Settings by which a picture of hardly more than the ray through the middle of a pixel is
 /// rendered: a few pixels, as small parts of that one, seen through the middle of the lens.

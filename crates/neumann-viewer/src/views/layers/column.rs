@@ -11,7 +11,8 @@ use crate::display::layers::{LayerSettings, ShownLayer};
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{
-    Slider, button, button_width, focus_ring, heading, hint, hue_row, paragraph, rule, text_field,
+    Slider, button, button_width, focus_ring, heading, hint, hue_row, paragraph, rule, settled,
+    text_field,
 };
 
 /// Height of a row with its picture.
@@ -156,6 +157,12 @@ fn lights(ui: &mut Ui, view: &LayersView, settings: &mut LayerSettings) {
     if row(ui, view, ShownLayer::Mix, name, is_chosen, about).clicked() {
         settings.shown = ShownLayer::Mix;
     }
+    if settled(ui, "mixed", !settings.mix.is_empty()) {
+        let about = "Gives every light its brightness and colour back.";
+        if button(ui, "As rendered").on_hover_text(about).clicked() {
+            settings.mix.clear();
+        }
+    }
     let Some(film) = &view.film else {
         hint(ui, "Keeping the light of each source apart …");
         return;
@@ -172,12 +179,6 @@ fn lights(ui: &mut Ui, view: &LayersView, settings: &mut LayerSettings) {
         }
         ui.push_id(("light", group), |ui| mix(ui, name, settings));
     }
-    ui.horizontal(|ui| {
-        let about = "Gives every light its brightness and colour back.";
-        if button(ui, "As rendered").on_hover_text(about).clicked() {
-            settings.mix.clear();
-        }
-    });
     let field = text_field(ui, "Groups: each, or key=lamp,candle", &mut settings.lights);
     field.on_hover_text(
         "Which lights are taken as one: 'each' for none, or groups by name, such as \

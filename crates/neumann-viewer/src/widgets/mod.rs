@@ -19,7 +19,7 @@ pub use segmented::{choice_row, choice_rows, explained_choice, segmented_width, 
 pub use settled::settled;
 pub use slider::Slider;
 pub use switch::switch;
-pub use text::{fact, heading, hint, paragraph, path_field, rule, text_field};
+pub use text::{cut_line, fact, heading, hint, paragraph, path_field, rule, text_field};
 
 use egui::{Response, Stroke, StrokeKind, Ui};
 

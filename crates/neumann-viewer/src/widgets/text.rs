@@ -1,6 +1,12 @@
 //! Text in panels: headings, paragraphs, facts, fields.
 
-use egui::{Align2, Key, Label, Response, RichText, Role, Sense, TextEdit, Ui, Vec2, WidgetInfo};
+use std::sync::Arc;
+
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{
+    Align2, Color32, FontId, Galley, Key, Label, Painter, Response, RichText, Role, Sense,
+    TextEdit, Ui, Vec2, WidgetInfo,
+};
 
 use crate::theme::{self, GRID, Palette, ROW};
 
@@ -51,6 +57,19 @@ pub fn fact(ui: &mut Ui, name: &str, value: &str) {
         p.weak,
     );
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{name}: {value}")));
+}
+
+/// A line, cut where it has no room, points.
+pub fn cut_line(
+    painter: &Painter,
+    text: String,
+    font: FontId,
+    color: Color32,
+    room: f32,
+) -> Arc<Galley> {
+    let mut job = LayoutJob::simple_singleline(text, font, color);
+    job.wrap = TextWrapping::truncate_at_width(room.max(0.0));
+    painter.layout_job(job)
 }
 
 /// A field for a path; true when `Enter` says that it is complete.

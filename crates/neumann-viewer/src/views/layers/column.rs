@@ -1,6 +1,6 @@
 //! The list of layers: expressions, then lights with their sliders.
 
-use egui::{Align2, Color32, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
+use egui::{Align2, Color32, FontId, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
 use neumann_core::expression::{Expression, PRESETS};
 use neumann_core::film::PathClasses;
 use neumann_core::radiometry::Rgb;
@@ -11,8 +11,8 @@ use crate::display::layers::{LayerSettings, ShownLayer};
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{
-    Slider, button, button_width, focus_ring, heading, hint, hue_row, paragraph, rule, settled,
-    text_field,
+    Slider, button, button_width, cut_line, focus_ring, heading, hint, hue_row, paragraph, rule,
+    settled, text_field,
 };
 
 /// Height of a row with its picture.
@@ -256,16 +256,29 @@ fn row(
     let at = pos2(right, rect.center().y - 0.5 * figure.size().y);
     painter.galley(at, figure, p.weak);
     let left = frame.right() + GRID;
-    let text = painter.with_clip_rect(Rect::from_x_y_ranges(left..=right - GRID, rect.y_range()));
+    let line = |align: Align2, y: f32, text: &str, font: FontId, color: Color32| {
+        let text = cut_line(&painter, text.to_owned(), font, color, right - GRID - left);
+        let at = align.anchor_size(pos2(left, y), text.size());
+        painter.galley(at.min, text, color);
+    };
     let middle = rect.center().y;
     if remark.is_empty() {
-        let at = pos2(left, middle);
-        text.text(at, Align2::LEFT_CENTER, name, theme::body(), p.text);
+        line(Align2::LEFT_CENTER, middle, name, theme::body(), p.text);
     } else {
-        let at = pos2(left, middle - 1.0);
-        text.text(at, Align2::LEFT_BOTTOM, name, theme::body(), p.text);
-        let at = pos2(left, middle + 2.0);
-        text.text(at, Align2::LEFT_TOP, remark, theme::small(), p.weak);
+        line(
+            Align2::LEFT_BOTTOM,
+            middle - 1.0,
+            name,
+            theme::body(),
+            p.text,
+        );
+        line(
+            Align2::LEFT_TOP,
+            middle + 2.0,
+            remark,
+            theme::small(),
+            p.weak,
+        );
     }
     focus_ring(ui, &response, wide, 4);
     let spoken = format!("{name}, {share}");

@@ -4,10 +4,10 @@ use egui::{Color32, CursorIcon, EventFilter, Key, Pos2, Rect, Sense, Ui, UiBuild
 use egui::{WidgetInfo, pos2, vec2};
 
 use super::RaceView;
-use super::tiles::{Picture, facts, line, picture_of, texture_of, title};
+use super::tiles::{Picture, facts, picture_of, texture_of, title};
 use crate::display::ViewSettings;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{focus_ring, segmented_width, segments};
+use crate::widgets::{cut_line, focus_ring, segmented_width, segments};
 
 /// Height of the line of facts, and of the choice below it.
 const LINE: f32 = 20.0;
@@ -59,8 +59,8 @@ pub(super) fn show(ui: &mut Ui, rect: Rect, view: &mut RaceView, settings: &View
         format!("{}: {}", title(view, *i), facts.join(", "))
     });
     let texts: Vec<String> = texts.collect();
-    let galley = line(
-        ui,
+    let galley = cut_line(
+        ui.painter(),
         texts.join("  |  "),
         theme::small(),
         p.text,

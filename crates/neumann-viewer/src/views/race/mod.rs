@@ -29,7 +29,7 @@ use crate::keys::{self, Action};
 use crate::panels::Page;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{button, button_width, segmented_width, segments};
+use crate::widgets::{button, button_width, cut_line, segmented_width, segments};
 
 pub use cache::folder as cache_folder;
 pub use enlarged::Wipe;
@@ -326,11 +326,7 @@ impl RaceView {
             words => format!("reference: {words}"),
         };
         let room = spot.left() - GRID - rect.left();
-        let line = |text: String, font, color| {
-            let mut job = egui::text::LayoutJob::simple_singleline(text, font, color);
-            job.wrap = egui::text::TextWrapping::truncate_at_width(room.max(0.0));
-            ui.painter().layout_job(job)
-        };
+        let line = |text: String, font, color| cut_line(ui.painter(), text, font, color, room);
         let title = line(title.to_owned(), theme::body(), p.text);
         let facts = line(words.clone(), theme::small(), p.weak);
         let middle = rect.center().y;

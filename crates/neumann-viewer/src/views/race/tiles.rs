@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Color32, ColorImage, Context, FontId, Galley, Pos2, Rect, Role, Sense, StrokeKind,
-    TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Color32, ColorImage, Context, Pos2, Rect, Role, Sense, StrokeKind, TextureHandle, TextureId,
+    TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
@@ -16,7 +15,7 @@ use neumann_picture::tone::Display;
 use super::{RaceView, Stage, Standing, menu};
 use crate::display::ViewSettings;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{Icon, focus_ring};
+use crate::widgets::{Icon, cut_line, focus_ring};
 
 /// Height of the names above the pictures, and of a line of facts below them.
 const NAME: f32 = 26.0;
@@ -125,7 +124,7 @@ pub(super) fn row(ui: &mut Ui, rect: Rect, view: &mut RaceView, stage: &mut Stag
         for (j, fact) in short_facts(ui, view, i, width).into_iter().enumerate() {
             let p = Palette::of(ui);
             let color = if j == 0 { p.weak } else { p.text };
-            let galley = line(ui, fact, theme::small(), color, width);
+            let galley = cut_line(ui.painter(), fact, theme::small(), color, width);
             let at = at + vec2(0.0, j as f32 * LINE);
             ui.painter().galley(at, galley, color);
         }
@@ -176,13 +175,6 @@ pub(super) fn facts(view: &RaceView, i: usize) -> [String; 2] {
     point.map_or_else(|| ["…".to_owned(), String::new()], Point::facts)
 }
 
-/// A line, cut where it is too long.
-pub(super) fn line(ui: &Ui, text: String, font: FontId, color: Color32, room: f32) -> Arc<Galley> {
-    let mut job = LayoutJob::simple_singleline(text, font, color);
-    job.wrap = TextWrapping::truncate_at_width(room.max(0.0));
-    ui.painter().layout_job(job)
-}
-
 /// The colour of a method's curve.
 pub(super) fn colour(ui: &Ui, i: usize) -> Color32 {
     let all = colours(ui.visuals().dark_mode);
@@ -195,8 +187,8 @@ fn name_of(ui: &mut Ui, rect: Rect, view: &mut RaceView, i: usize, stage: &Stage
     let p = Palette::of(ui);
     let middle = rect.center().y;
     let Some(entry) = view.entries.get(i) else {
-        let galley = line(
-            ui,
+        let galley = cut_line(
+            ui.painter(),
             "reference".to_owned(),
             theme::semibold(),
             p.text,
@@ -207,8 +199,8 @@ fn name_of(ui: &mut Ui, rect: Rect, view: &mut RaceView, i: usize, stage: &Stage
         return;
     };
     let name = entry.entrant(&stage.session.setup).name;
-    let galley = line(
-        ui,
+    let galley = cut_line(
+        ui.painter(),
         name.clone(),
         theme::semibold(),
         p.text,

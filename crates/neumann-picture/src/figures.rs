@@ -1,5 +1,16 @@
 //! Numbers as people read them.
 
+/// A number with its name.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// What it is called.
+    pub name: &'static str,
+    /// Its value.
+    pub text: String,
+    /// What it is, in a sentence.
+    pub about: &'static str,
+}
+
 /// A number with so many significant figures, without needless zeros.
 #[must_use]
 pub fn significant(value: f64, figures: usize) -> String {

@@ -10,7 +10,7 @@ pub use panel::{Panel, PanelScale, about, formula, outline, ring, shows};
 use neumann_core::render::hemisphere::{Estimator, Integrand};
 use neumann_core::render::{Hemisphere, Measured};
 
-use crate::figures::significant;
+use crate::figures::{Figure, significant};
 use crate::race::colours;
 
 /// The equation.
@@ -40,17 +40,6 @@ pub fn colour(estimator: Estimator, is_dark: bool) -> [u8; 3] {
         Estimator::Light => light,
         Estimator::Mis => mis,
     }
-}
-
-/// A figure of the integral.
-#[derive(Clone, Debug)]
-pub struct Figure {
-    /// What it is found by.
-    pub name: &'static str,
-    /// Luminance with half the width of its interval.
-    pub text: String,
-    /// What that is, in a sentence.
-    pub about: &'static str,
 }
 
 /// A mean with its interval, luminance.

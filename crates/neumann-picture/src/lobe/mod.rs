@@ -16,7 +16,7 @@ pub use table::csv;
 use neumann_core::radiometry::Rgb;
 use neumann_core::render::lobe::{Lobes, Viewed};
 
-use crate::figures::significant;
+use crate::figures::{Figure, significant};
 
 /// What is plotted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -130,17 +130,6 @@ pub fn largest(view: &Viewed, plotted: Plotted) -> f32 {
     let all = plane.chain(sphere.zip(solid.directions.iter().map(|wi| wi.z)));
     all.map(|(f, z)| plotted.of(f, z).max_channel())
         .fold(0.0, f32::max)
-}
-
-/// A figure of a view.
-#[derive(Clone, Debug)]
-pub struct Figure {
-    /// What it is called.
-    pub name: &'static str,
-    /// Its value.
-    pub text: String,
-    /// What it is, in a sentence.
-    pub about: &'static str,
 }
 
 /// A share in hundreds.

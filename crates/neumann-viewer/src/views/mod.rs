@@ -21,6 +21,7 @@ mod plate;
 pub mod quantity;
 pub mod race;
 pub mod techniques;
+mod turning;
 
 use std::any::Any;
 

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-use egui::{CursorIcon, Painter, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
+use egui::{Painter, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
 use glam::Vec3;
 use neumann_core::endpoint::Camera;
 use neumann_core::render::Job;
@@ -12,6 +12,7 @@ use neumann_core::scene::Scene;
 
 use super::drawing::{Marks, Through};
 use crate::theme::Palette;
+use crate::views::turning;
 use crate::widgets::focus_ring;
 
 /// Triangles whose edges are drawn, at most.
@@ -20,8 +21,6 @@ const N_TRIANGLES: usize = 1500;
 const DISTANCE: f32 = 2.6;
 /// A camera further away than this, in radii of the scene, is left out.
 const FAR: f32 = 4.0;
-/// Radians for a drag across its height.
-const TURN: f32 = 3.0;
 
 /// From where the scene is looked at.
 pub(super) struct Outside {
@@ -60,28 +59,10 @@ impl Outside {
         let response = ui.interact(rect, ui.scope_id().with("outside"), Sense::click_and_drag());
         let name = "the scene from outside, with the paths";
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
-        let drag = response.drag_delta() / rect.height().max(1.0);
-        let mut turn = TURN * Vec2::new(-drag.x, drag.y);
-        if response.has_focus() {
-            let presses = |key| ui.input(|input| input.num_presses(key)) as f32;
-            let x = presses(egui::Key::ArrowRight) - presses(egui::Key::ArrowLeft);
-            let y = presses(egui::Key::ArrowUp) - presses(egui::Key::ArrowDown);
-            turn += 0.1 * Vec2::new(x, y);
-            ui.memory_mut(|memory| {
-                let filter = egui::EventFilter {
-                    horizontal_arrows: true,
-                    vertical_arrows: true,
-                    ..egui::EventFilter::default()
-                };
-                memory.set_focus_lock_filter(response.id, filter);
-            });
-        }
+        let turn = turning::taken(ui, &response, rect);
         if response.hovered() {
             let wheel = ui.input(|input| input.smooth_scroll_delta().y);
             self.distance = (self.distance * (-0.002 * wheel).exp()).clamp(0.2, 4.0);
-        }
-        if response.dragged() {
-            ui.ctx().set_cursor_icon(CursorIcon::Grabbing);
         }
         self.yaw += turn.x;
         self.pitch = (self.pitch + turn.y).clamp(-0.98 * FRAC_PI_2, 0.98 * FRAC_PI_2);

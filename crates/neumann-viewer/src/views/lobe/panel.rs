@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use egui::epaint::Vertex;
 use egui::{
-    Align2, Color32, ColorImage, Context, CursorIcon, Mesh, Pos2, Rect, Role, Sense, Shape, Stroke,
-    TextureHandle, TextureOptions, Ui, UiBuilder, Vec2, WidgetInfo, pos2, vec2,
+    Align2, Color32, ColorImage, Context, Mesh, Pos2, Rect, Role, Sense, Shape, Stroke,
+    TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 use neumann_core::render::lobe::{LARGEST_ANGLE, Lobes, Viewed};
 use neumann_picture::figures::significant;
@@ -16,6 +16,7 @@ use neumann_picture::lobe::{Disk, Plot, Radius, SolidStyle, Turn, draw, figures}
 
 use super::{LobeView, polar};
 use crate::theme::{self, GRID, Palette};
+use crate::views::turning;
 use crate::widgets::{Slider, focus_ring};
 
 /// Height of the slider, of a figure, and of what stands below a disk.
@@ -29,9 +30,6 @@ const WIDEST: f32 = 320.0;
 const NARROWEST: f32 = 130.0;
 /// Square points of a disk for each of its dots, at least.
 const DOT: f32 = 70.0;
-/// Radians for a drag across a lobe's height, and for an arrow.
-const TURN: f32 = 3.0;
-const STEP: f32 = 0.1;
 
 /// What a lobe in space was drawn of.
 type Drawn = (Plot, Turn, [usize; 2], SolidStyle);
@@ -148,27 +146,9 @@ fn solid(ui: &Ui, rect: Rect, view: &mut LobeView, viewed: &Viewed, index: usize
     let p = Palette::of(ui);
     let id = ui.scope_id().with("solid");
     let response = ui.interact(rect, id, Sense::click_and_drag());
-    let drag = response.drag_delta() / rect.height().max(1.0);
-    let mut turn = TURN * Vec2::new(-drag.x, drag.y);
-    if response.has_focus() {
-        let presses = |key| ui.input(|input| input.num_presses(key)) as f32;
-        let x = presses(egui::Key::ArrowRight) - presses(egui::Key::ArrowLeft);
-        let y = presses(egui::Key::ArrowUp) - presses(egui::Key::ArrowDown);
-        turn += STEP * Vec2::new(x, y);
-        ui.memory_mut(|memory| {
-            let filter = egui::EventFilter {
-                horizontal_arrows: true,
-                vertical_arrows: true,
-                ..egui::EventFilter::default()
-            };
-            memory.set_focus_lock_filter(response.id, filter);
-        });
-    }
+    let turn = turning::taken(ui, &response, rect);
     if response.double_clicked() {
         view.turn = Turn::default();
-    }
-    if response.dragged() {
-        ui.ctx().set_cursor_icon(CursorIcon::Grabbing);
     }
     view.turn.yaw += turn.x;
     view.turn.pitch = (view.turn.pitch + turn.y).clamp(-0.98 * FRAC_PI_2, 0.98 * FRAC_PI_2);

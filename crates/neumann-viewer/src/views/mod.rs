@@ -9,9 +9,14 @@
 //! its row [`Needs`]. What the film is, and which part of the series is chosen, is not its own: a
 //! *part* (`neumann_core::film::View`) is shown by a *view*.
 
+pub mod agree;
+mod column;
 pub mod energy;
+pub mod entry;
+mod held;
 pub mod hemisphere;
 pub mod inspect;
+mod method_menu;
 pub mod photons;
 pub mod picture;
 mod plate;
@@ -48,6 +53,7 @@ pub static VIEWS: &[&Row] = &[
     &inspect::ROW,
     &hemisphere::ROW,
     &race::ROW,
+    &agree::ROW,
     &energy::ROW,
 ];
 

@@ -1,9 +1,6 @@
 //! What stands beside the picture: the equation, its pictures, its estimates and their course.
 
-use egui::{
-    Align2, Margin, Rect, Role, ScrollArea, Sense, Shape, Stroke, Ui, UiBuilder, Vec2, WidgetInfo,
-    pos2,
-};
+use egui::{Align2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2};
 use neumann_core::film::View as Part;
 use neumann_core::render::Hemisphere;
 use neumann_core::render::hemisphere::Estimator;
@@ -16,6 +13,7 @@ use crate::display::ViewSettings;
 use crate::formula::Formula;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
+use crate::views::column;
 use crate::widgets::{fact, fold, hint, paragraph};
 
 /// Height of a row of figures.
@@ -34,22 +32,9 @@ pub(super) fn show(
     session: &Session,
     settings: &ViewSettings,
 ) {
-    let p = Palette::of(ui);
-    theme::fill_panel(ui, rect);
-    ui.painter()
-        .vline(rect.left() + 0.5, rect.y_range(), (1.0, p.line));
-    let area = rect.shrink2(Vec2::new(GRID, 0.0));
-    let builder = UiBuilder::new().max_rect(area).id_salt("hemisphere");
-    ui.scope_builder(builder, |ui| {
-        let scroll = ScrollArea::vertical().id_salt("figures").auto_shrink(false);
-        scroll.show(ui, |ui| {
-            let margin = Margin::symmetric(GRID as i8, GRID as i8);
-            egui::Frame::new().inner_margin(margin).show(ui, |ui| {
-                ui.set_width(ui.available_width());
-                ui.spacing_mut().item_spacing.y = 4.0;
-                contents(ui, view, session, settings);
-            });
-        });
+    column::show(ui, rect, "hemisphere", |ui| {
+        ui.spacing_mut().item_spacing.y = 4.0;
+        contents(ui, view, session, settings);
     });
 }
 

@@ -1,10 +1,7 @@
 //! The figures of a pixel, from top to bottom: a sentence, its bounces, its techniques, what single
 //! iterations bring, its paths, and the vertices of the chosen one.
 
-use egui::{
-    Align2, Color32, Margin, Painter, Rect, Response, Role, ScrollArea, Sense, Ui, UiBuilder, Vec2,
-    WidgetInfo, pos2,
-};
+use egui::{Align2, Color32, Painter, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
 use neumann_core::expression::PRESETS;
 use neumann_core::film::View as Part;
 use neumann_core::render::{Inspection, Job, Measured, Replayed};
@@ -17,6 +14,7 @@ use crate::display::ViewSettings;
 use crate::formula::Formula;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
+use crate::views::column;
 use crate::views::techniques::{description, label};
 use crate::widgets::{fact, focus_ring, fold, hint, paragraph, significant, text_field};
 
@@ -35,24 +33,11 @@ pub(super) fn show(
     session: &Session,
     settings: &mut ViewSettings,
 ) {
-    let p = Palette::of(ui);
-    theme::fill_panel(ui, rect);
-    ui.painter()
-        .vline(rect.left() + 0.5, rect.y_range(), (1.0, p.line));
-    let Some(job) = session.link.started() else {
-        return;
-    };
-    let area = rect.shrink2(Vec2::new(GRID, 0.0));
-    ui.scope_builder(UiBuilder::new().max_rect(area).id_salt("inspector"), |ui| {
-        let scroll = ScrollArea::vertical().id_salt("figures").auto_shrink(false);
-        scroll.show(ui, |ui| {
-            let margin = Margin::symmetric(GRID as i8, GRID as i8);
-            egui::Frame::new().inner_margin(margin).show(ui, |ui| {
-                ui.set_width(ui.available_width());
-                ui.spacing_mut().item_spacing.y = 2.0;
-                figures(ui, view, session, job, settings);
-            });
-        });
+    column::show(ui, rect, "inspector", |ui| {
+        if let Some(job) = session.link.started() {
+            ui.spacing_mut().item_spacing.y = 2.0;
+            figures(ui, view, session, job, settings);
+        }
     });
 }
 

@@ -14,7 +14,7 @@ mod worker;
 
 use std::sync::Arc;
 
-use egui::{Key, Pos2, Rect, StrokeKind, Ui, Vec2, pos2};
+use egui::{Key, Pos2, Rect, StrokeKind, Ui, Vec2};
 use neumann_core::render::{Inspection, Job, Replayed};
 use neumann_picture::inspection;
 use neumann_picture::sheet::{PictureSheet, picture_sheet};
@@ -24,6 +24,7 @@ use self::fireflies::Fireflies;
 use self::list::List;
 use self::outside::Outside;
 use self::worker::Worker;
+use super::column::Width;
 use super::{Needs, Row, Shown, Stage, View};
 use super::{picture, plate};
 use crate::display::ViewSettings;
@@ -52,8 +53,12 @@ pub static ROW: Row = Row {
 };
 
 const ID: &str = "inspect";
-/// Width of the figures beside the picture, points: at most, at least, and as a share of the stage.
-const COLUMN: (f32, f32, f32) = (380.0, 190.0, 0.44);
+/// Width of the figures beside the picture.
+const COLUMN: Width = Width {
+    most: 380.0,
+    least: 190.0,
+    share: 0.44,
+};
 
 /// The inspector: which pixel, and what of it is looked at.
 #[derive(Default)]
@@ -151,11 +156,7 @@ impl View for InspectView {
     }
 
     fn draw(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
-        let whole = stage.rect;
-        let (most, least, share) = COLUMN;
-        let width = (share * whole.width()).clamp(least, most);
-        let left = Rect::from_min_max(whole.min, pos2(whole.right() - width, whole.bottom()));
-        let right = Rect::from_min_max(pos2(left.right(), whole.top()), whole.max);
+        let [left, right] = super::column::split(stage.rect, COLUMN);
         stage.rect = left;
         let hovered = self.draw_picture(ui, stage);
         column::show(ui, right, self, stage.session, stage.settings);

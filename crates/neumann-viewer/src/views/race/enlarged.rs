@@ -4,9 +4,10 @@ use egui::{Color32, CursorIcon, EventFilter, Key, Pos2, Rect, Sense, Ui, UiBuild
 use egui::{WidgetInfo, pos2, vec2};
 
 use super::RaceView;
-use super::tiles::{Picture, facts, line, picture_of, texture_of, title};
+use super::tiles::{Picture, facts, picture_of, texture_of, title};
 use crate::display::ViewSettings;
 use crate::theme::{self, GRID, Palette};
+use crate::views::method_menu::line;
 use crate::widgets::{focus_ring, segmented_width, segments};
 
 /// Height of the line of facts, and of the choice below it.

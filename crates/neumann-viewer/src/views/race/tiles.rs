@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Color32, ColorImage, Context, FontId, Galley, Pos2, Rect, Role, Sense, StrokeKind,
-    TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Color32, ColorImage, Context, Pos2, Rect, Role, Sense, StrokeKind, TextureHandle, TextureId,
+    TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
@@ -13,10 +12,11 @@ use neumann_picture::figures::significant;
 use neumann_picture::race::{Point, colours};
 use neumann_picture::tone::Display;
 
-use super::{RaceView, Stage, Standing, menu};
+use super::{RaceView, Stage, Standing};
 use crate::display::ViewSettings;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{Icon, focus_ring};
+use crate::views::method_menu::{self, line};
+use crate::widgets::focus_ring;
 
 /// Height of the names above the pictures, and of a line of facts below them.
 const NAME: f32 = 26.0;
@@ -176,13 +176,6 @@ pub(super) fn facts(view: &RaceView, i: usize) -> [String; 2] {
     point.map_or_else(|| ["…".to_owned(), String::new()], Point::facts)
 }
 
-/// A line, cut where it is too long.
-pub(super) fn line(ui: &Ui, text: String, font: FontId, color: Color32, room: f32) -> Arc<Galley> {
-    let mut job = LayoutJob::simple_singleline(text, font, color);
-    job.wrap = TextWrapping::truncate_at_width(room.max(0.0));
-    ui.painter().layout_job(job)
-}
-
 /// The colour of a method's curve.
 pub(super) fn colour(ui: &Ui, i: usize) -> Color32 {
     let all = colours(ui.visuals().dark_mode);
@@ -207,33 +200,10 @@ fn name_of(ui: &mut Ui, rect: Rect, view: &mut RaceView, i: usize, stage: &Stage
         return;
     };
     let name = entry.entrant(&stage.session.setup).name;
-    let galley = line(
-        ui,
-        name.clone(),
-        theme::semibold(),
-        p.text,
-        rect.width() - 4.5 * GRID,
-    );
-    let size = vec2(galley.size().x + 4.5 * GRID, rect.height() - 4.0);
-    let spot = Rect::from_min_size(pos2(rect.left(), rect.top() + 2.0), size);
-    let response = ui.interact(spot, ui.scope_id().with(("racer", i)), Sense::click());
-    if response.hovered() {
-        ui.painter().rect_filled(spot, 4, p.hovered);
-    }
-    marker(ui, pos2(spot.left() + 5.0, middle), i, 4.5);
-    let at = pos2(spot.left() + 1.75 * GRID, middle - galley.size().y / 2.0);
-    ui.painter().galley(at, galley, p.text);
-    Icon::Down.paint(
-        ui.painter(),
-        pos2(spot.right() - 1.25 * GRID, middle),
-        p.weak,
-    );
-    focus_ring(ui, &response, spot, 4);
-    response.widget_info(|| {
-        WidgetInfo::labeled(Role::Button, true, format!("racer {}: {name}", i + 1))
-    });
+    let mark = |ui: &Ui, at| marker(ui, at, i, 4.5);
+    let (response, spot) = method_menu::name_button(ui, rect, i, [&name, "racer"], mark);
     if response.clicked() {
-        menu::toggle(view, i, spot, &stage.session.setup);
+        view.menu.toggle(i, spot, name);
     }
     response.on_hover_text("A click shows other methods to race, and takes this one out.");
 }

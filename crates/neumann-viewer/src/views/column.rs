@@ -1,0 +1,43 @@
+//! The column beside a picture, in which a view says what it found.
+
+use egui::{Frame, Margin, Rect, ScrollArea, Ui, UiBuilder, Vec2, pos2};
+
+use crate::theme::{self, GRID, Palette};
+
+/// Width of a column, points.
+#[derive(Clone, Copy)]
+pub(super) struct Width {
+    pub(super) most: f32,
+    pub(super) least: f32,
+    /// Of the stage.
+    pub(super) share: f32,
+}
+
+/// The room of the picture, and that of the column on its right.
+pub(super) fn split(whole: Rect, width: Width) -> [Rect; 2] {
+    let width = (width.share * whole.width()).clamp(width.least, width.most);
+    let edge = whole.right() - width;
+    [
+        Rect::from_min_max(whole.min, pos2(edge, whole.bottom())),
+        Rect::from_min_max(pos2(edge, whole.top()), whole.max),
+    ]
+}
+
+/// Draws a column, which scrolls.
+pub(super) fn show(ui: &mut Ui, rect: Rect, name: &str, contents: impl FnOnce(&mut Ui)) {
+    let p = Palette::of(ui);
+    theme::fill_panel(ui, rect);
+    ui.painter()
+        .vline(rect.left() + 0.5, rect.y_range(), (1.0, p.line));
+    let area = rect.shrink2(Vec2::new(GRID, 0.0));
+    ui.scope_builder(UiBuilder::new().max_rect(area).id_salt(name), |ui| {
+        let scroll = ScrollArea::vertical().id_salt("figures").auto_shrink(false);
+        scroll.show(ui, |ui| {
+            let margin = Margin::symmetric(GRID as i8, GRID as i8);
+            Frame::new().inner_margin(margin).show(ui, |ui| {
+                ui.set_width(ui.available_width());
+                contents(ui);
+            });
+        });
+    });
+}

@@ -13,9 +13,9 @@ use neumann_picture::sheet::{AgreementSheet, agreement_sheet};
 
 use crate::cli::AgreeArguments;
 use crate::console;
-use crate::failure::{Outcome, answers_no, bad_input};
+use crate::failure::{Outcome, answers_no, bad_input, interrupted};
 use crate::interrupt;
-use crate::outputs::{self, Kind};
+use crate::outputs;
 
 pub(crate) fn run(arguments: &AgreeArguments) -> Outcome {
     let options = &arguments.settings;
@@ -24,12 +24,7 @@ pub(crate) fn run(arguments: &AgreeArguments) -> Outcome {
             "--set: each of the two methods has parameters of its own; write pt-mis:roulette=off",
         ));
     }
-    if let Some(map) = &arguments.output {
-        if outputs::kind(map)? != Kind::Png {
-            return Err(bad_input(format!("{}: the map is a .png", map.display())));
-        }
-        outputs::check(std::slice::from_ref(map))?;
-    }
+    outputs::check_map(arguments.output.as_ref())?;
     let (scene, common) = options.resolve(&arguments.scene)?;
     if let Some(map) = &arguments.output {
         let inputs = options.inputs(&arguments.scene, &scene);
@@ -51,9 +46,8 @@ pub(crate) fn run(arguments: &AgreeArguments) -> Outcome {
                 (n, _) => Length::Iterations(n),
             };
             let settings = side.with_seed(seed(common.seed, stream));
-            let rendered = batch(&scene, settings, length, &pool, &cancel)
-                .map_err(|_| anyhow::anyhow!("interrupted; nothing was written"))?;
-            side.take(&rendered);
+            let rendered = batch(&scene, settings, length, &pool, &cancel);
+            side.take(&rendered.map_err(|_| interrupted())?);
         }
     }
     let batches = [&sides[0].batches, &sides[1].batches];

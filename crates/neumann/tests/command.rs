@@ -7,6 +7,8 @@
 mod agree;
 #[path = "command/backs.rs"]
 mod backs;
+#[path = "command/bias.rs"]
+mod bias;
 #[path = "command/continued.rs"]
 mod continued;
 #[path = "command/examples.rs"]

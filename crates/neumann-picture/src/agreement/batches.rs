@@ -62,10 +62,16 @@ impl Batches {
     pub fn take(&mut self, film: &Film) {
         let shape = (film.width(), film.height());
         assert_eq!((shape, film.n_layers()), (self.cells.size(), self.n_layers));
+        self.take_values(|view, values| film.compose(view, values));
+    }
+
+    /// Takes in a picture of each view.
+    pub fn take_values(&mut self, mut compose: impl FnMut(View, &mut [Rgb])) {
         self.n += 1;
-        let mut values = vec![Rgb::BLACK; film.n_pixels()];
+        let (width, height) = self.cells.size();
+        let mut values = vec![Rgb::BLACK; width * height];
         for (number, view) in self.views().into_iter().enumerate() {
-            film.compose(view, &mut values);
+            compose(view, &mut values);
             let sums = self.cells.sums(|pixel| values[pixel].to_array());
             for (cell, sum) in sums.into_iter().enumerate() {
                 let n = self.cells.cell(cell).n_pixels() as f64;
@@ -107,6 +113,22 @@ impl Batches {
             means, deviations, ..
         } = &self.means[view][cell];
         Estimate::of_spread(means[channel], deviations[channel], self.n)
+    }
+
+    /// The luminance of a cell, by number of the view. The errors of the channels are taken to move
+    /// together, which is the safe side.
+    #[must_use]
+    pub fn luminance(&self, view: usize, cell: usize) -> Estimate {
+        let estimates = [0, 1, 2].map(|channel| self.estimate(view, cell, channel));
+        let luminance = |values: [f64; 3]| {
+            let [r, g, b] = values.map(|v| v as f32);
+            f64::from(Rgb::new(r, g, b).luminance())
+        };
+        Estimate {
+            mean: luminance(estimates.map(|e| e.mean)),
+            standard_error: luminance(estimates.map(|e| e.standard_error)),
+            n: self.n,
+        }
     }
 
     /// Renders that found any light in a cell.

@@ -33,7 +33,6 @@ mod side;
 mod tests;
 
 use neumann_core::film::View;
-use neumann_core::radiometry::Rgb;
 use rayon::prelude::*;
 
 pub use batches::Batches;
@@ -280,21 +279,9 @@ impl Pair<'_> {
         }
     }
 
-    /// Mean luminance by each method, and the relative difference that would be at the limit. The
-    /// errors of the channels are taken to move together, which is the safe side.
+    /// Mean luminance by each method, and the relative difference that would be at the limit.
     fn whole(&self, limit: f64) -> ([f64; 2], f64) {
-        let luminance = |value: &dyn Fn(usize) -> f64| {
-            let [r, g, b] = [0, 1, 2].map(value).map(|v| v as f32);
-            f64::from(Rgb::new(r, g, b).luminance())
-        };
-        let estimates = [0, 1].map(|i| {
-            let of = |channel| self.batches[i].estimate(self.view, 0, channel);
-            Estimate {
-                mean: luminance(&|channel| of(channel).mean),
-                standard_error: luminance(&|channel| of(channel).standard_error),
-                n: self.batches[i].n(),
-            }
-        });
+        let estimates = self.batches.map(|b| b.luminance(self.view, 0));
         let means = estimates.map(|estimate| estimate.mean);
         let middle = 0.5 * (means[0] + means[1]);
         let [a, b] = estimates.map(|estimate| Estimate {

@@ -240,7 +240,7 @@ fn tile((width, height): (usize, usize)) -> (usize, usize) {
 }
 
 /// A picture made larger pixel by pixel, or smaller by averages of what is shown.
-fn scaled(source: &Pixels8, width: usize, height: usize) -> Pixels8 {
+pub(super) fn scaled(source: &Pixels8, width: usize, height: usize) -> Pixels8 {
     let span = |i: usize, n: usize, length: usize| {
         let start = i * length / n;
         start..((i + 1) * length / n).max(start + 1)

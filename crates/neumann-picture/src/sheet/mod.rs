@@ -12,6 +12,7 @@ mod label;
 mod photons;
 mod picture;
 mod race;
+mod radius_bias;
 mod techniques;
 mod text;
 
@@ -31,6 +32,7 @@ pub use label::formula;
 pub use photons::photon_sheet;
 pub use picture::{PictureSheet, Scale, Stroke, Wipe, picture_sheet};
 pub use race::{RacePicture, RaceSheet, race_sheet};
+pub use radius_bias::{RadiusBiasSheet, radius_bias_sheet};
 pub use techniques::{technique_name, technique_sheet};
 
 /// What stands on the sheet beside the pictures.

@@ -144,8 +144,8 @@ fn row(ui: &mut Ui, found: &Found, term: &Term, stage: &mut Stage<'_>) {
     let [a, b] = &found.names;
     response.on_hover_text(format!(
         "{label}\nMean {} by {a}, {} by {b}, ratio {}. A difference is seen from {} on. Score of \
-         the whole picture {}, the largest of its cells {}; {} cells beyond the limit.\nA click shows \
-         its map.",
+         the whole picture {}, the largest of its cells {}; {} cells beyond the limit.\nA click \
+         shows its map.",
         said.means[0],
         said.means[1],
         said.ratio,

@@ -3,7 +3,7 @@
 //!
 //! While the view is open the film rests. [`AgreeView`] owns who is compared and what is looked at;
 //! `worker` renders and compares on a thread of its own, `column` says what follows, `words` what
-//! is under the pointer. Films of more than 512×512 pixels are compared in a smaller size; so memory
+//! is under the pointer. Films of more than 512×512 pixels are compared in a smaller size; memory
 //! stays below 16 MB for each part of the series, and all of it is given back in the end.
 
 mod column;

@@ -3,10 +3,7 @@
 use std::sync::PoisonError;
 
 use neumann_core::film::View as Part;
-use neumann_core::radiometry::Rgb;
-use neumann_picture::agreement::{
-    Batches, CHANNELS, Estimate, Grain, Score, Term, count, score_text,
-};
+use neumann_picture::agreement::{CHANNELS, Estimate, Grain, Score, Term, count, score_text};
 use neumann_picture::figures::significant;
 
 use super::{AgreeView, Found};
@@ -105,7 +102,7 @@ pub(super) fn under(
                     score,
                     batches.map(|b| b.estimate(view, cell, channel)),
                 ),
-                None => (what, None, batches.map(|b| luminance(b, view, cell))),
+                None => (what, None, batches.map(|b| b.luminance(view, cell))),
             }
         }
     };
@@ -127,19 +124,4 @@ pub(super) fn under(
         )
     };
     vec![score, of(0), of(1)]
-}
-
-/// The luminance of a cell. The errors of the channels are taken to move together.
-fn luminance(batches: &Batches, view: usize, cell: usize) -> Estimate {
-    let of = |channel| batches.estimate(view, cell, channel);
-    let estimates = [0, 1, 2].map(of);
-    let sum = |values: [f64; 3]| {
-        let [r, g, b] = values.map(|v| v as f32);
-        f64::from(Rgb::new(r, g, b).luminance())
-    };
-    Estimate {
-        mean: sum(estimates.map(|e| e.mean)),
-        standard_error: sum(estimates.map(|e| e.standard_error)),
-        n: batches.n(),
-    }
 }

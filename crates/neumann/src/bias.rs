@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &BiasArguments) -> Outcome {
         parts: &parts,
     };
     if let Some(map) = &arguments.output {
-        let mut lines = vec![report.line(arguments.view)];
+        let mut lines = report.sentences(arguments.view).to_vec();
         lines.extend(report.notes());
         let sheet = RadiusBiasSheet {
             heading: [scene.name().to_owned(), report.heading()],

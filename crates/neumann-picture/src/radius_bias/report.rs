@@ -83,8 +83,15 @@ impl Report<'_> {
     /// The whole of a part in one line.
     #[must_use]
     pub fn line(&self, view: View) -> String {
+        self.sentences(view).join(" ").trim_end().to_owned()
+    }
+
+    /// The same in two sentences: what the error is, and what half the radius would make of it.
+    #[must_use]
+    pub fn sentences(&self, view: View) -> [String; 2] {
         let Some(part) = self.parts.iter().find(|part| part.view == view) else {
-            return format!("{} found no light in {view}.", self.name);
+            let nothing = format!("{} found no light in {view}.", self.name);
+            return [nothing, String::new()];
         };
         let row = Row::of(part);
         let bias = if part.has_bias() {
@@ -93,19 +100,21 @@ impl Report<'_> {
             format!("no radius bias that is seen ({})", row.bias)
         };
         let [noise, half, error] = &row.at_half;
-        let then = if part.at_half.error() < part.here.error() {
-            "smaller"
-        } else {
-            "larger"
+        let then = match part.at_half.error() / part.here.error() {
+            times if times < 0.98 => "becomes smaller,",
+            times if times > 1.02 => "becomes larger,",
+            _ => "stays the same,",
         };
-        format!(
-            "{} after {}, {view}: relative error {}, of it noise {} and {bias}; with half the \
-             radius noise {noise}, bias {half}: the error becomes {then}, {error}.",
+        let now = format!(
+            "{} after {}, {view}: relative error {}, of it noise {} and {bias}.",
             self.name,
             count(self.n_iterations as usize, "iteration"),
             row.error,
             row.noise,
-        )
+        );
+        let then =
+            format!("With half the radius noise {noise}, bias {half}: the error {then} {error}.");
+        [now, then]
     }
 
     /// What is to be known of these numbers.
@@ -181,6 +190,8 @@ fn bias_of(part: &PartError) -> String {
     let [least, most] = part.bias_range.map(|share| significant(100.0 * share, 2));
     if part.has_bias() {
         format!("{} ({least} to {most})", percent(part.here.bias))
+    } else if part.bias_range[1] == 0.0 {
+        percent(0.0)
     } else {
         format!("below {most} %")
     }

@@ -172,7 +172,7 @@ fn a_line_says_all() {
     let biased = line(0.8);
     for words in [
         "ppm after 4 iterations, L: relative error 15 %, of it noise 6.8 % and radius bias 13 % (",
-        "with half the radius noise 6.8 %, bias 3.2 %: the error becomes smaller, 7.6 %.",
+        "With half the radius noise 6.8 %, bias 3.2 %: the error becomes smaller, 7.6 %.",
     ] {
         assert!(biased.contains(words), "{biased}");
     }

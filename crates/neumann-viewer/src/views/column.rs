@@ -1,8 +1,14 @@
 //! The column beside a picture, in which a view says what it found.
 
-use egui::{Frame, Margin, Rect, ScrollArea, Ui, UiBuilder, Vec2, pos2};
+use egui::{
+    Align2, Frame, Margin, Painter, Rect, Response, ScrollArea, Sense, Ui, UiBuilder, Vec2, pos2,
+};
 
 use crate::theme::{self, GRID, Palette};
+use crate::widgets::focus_ring;
+
+/// Height of a row of a table.
+pub(super) const ROW: f32 = 22.0;
 
 /// Width of a column, points.
 #[derive(Clone, Copy)]
@@ -40,4 +46,32 @@ pub(super) fn show(ui: &mut Ui, rect: Rect, name: &str, contents: impl FnOnce(&m
             });
         });
     });
+}
+
+/// A row of a table that can be chosen: what `name` draws from the left edge on, and cells that end
+/// at shares of the width.
+pub(super) fn table_row(
+    ui: &mut Ui,
+    is_chosen: bool,
+    ends: &[f32],
+    cells: &[&str],
+    name: impl FnOnce(&Painter, f32, f32),
+) -> Response {
+    let p = Palette::of(ui);
+    let size = Vec2::new(ui.available_width(), ROW);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+    let wide = rect.expand2(Vec2::new(GRID, 0.0));
+    if is_chosen || response.hovered() {
+        let fill = if is_chosen { p.chosen } else { p.raised };
+        ui.painter().rect_filled(wide, 4, fill);
+    }
+    let middle = rect.center().y;
+    let painter = ui.painter_at(wide);
+    name(&painter, rect.left(), middle);
+    for (end, text) in ends.iter().zip(cells) {
+        let at = pos2(rect.left() + end * rect.width(), middle);
+        painter.text(at, Align2::RIGHT_CENTER, text, theme::small(), p.text);
+    }
+    focus_ring(ui, &response, wide, 4);
+    response
 }

@@ -10,6 +10,7 @@
 //! *part* (`neumann_core::film::View`) is shown by a *view*.
 
 pub mod agree;
+pub mod bias;
 mod column;
 pub mod energy;
 pub mod entry;
@@ -54,6 +55,7 @@ pub static VIEWS: &[&Row] = &[
     &hemisphere::ROW,
     &race::ROW,
     &agree::ROW,
+    &bias::ROW,
     &energy::ROW,
 ];
 

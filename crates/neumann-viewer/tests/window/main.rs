@@ -3,6 +3,7 @@
 //! The renderer is replaced by a small film that never changes, so nothing here depends on time.
 
 mod agree;
+mod bias;
 mod compared;
 mod controls;
 mod edits;

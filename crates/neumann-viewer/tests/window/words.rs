@@ -12,6 +12,7 @@ use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
 use neumann_viewer::setup::FilmSize;
 use neumann_viewer::views::agree::AgreeView;
+use neumann_viewer::views::bias::BiasView;
 
 use crate::support::{app_with_photons, app_with_race, app_with_techniques};
 use crate::{click, harness, harness_of, press};
@@ -151,6 +152,14 @@ fn every_control_of_pages_and_views_says_what_it_does() {
     walk(&mut harness, "agreement", &mut all);
     click(&mut harness, "method 1: pt-mis");
     walk(&mut harness, "menu of the agreement", &mut all);
+    let mut harness = crate::live((48, 48), "ppm");
+    press(&mut harness, Key::O);
+    crate::wait(&mut harness, |app| {
+        let view = app.viewing.views.get::<BiasView>();
+        view.is_some_and(|view| view.found.is_some())
+    });
+    harness.run_steps(2);
+    walk(&mut harness, "noise and bias", &mut all);
     let all: Vec<_> = all.into_iter().collect();
     assert!(all.is_empty(), "{} faults:\n{}", all.len(), all.join("\n"));
 }

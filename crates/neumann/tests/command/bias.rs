@@ -13,7 +13,7 @@ fn the_error_is_split_in_words_on_a_map_and_as_json() {
     for words in [
         "ppm:radius=0.1,paths=16 · 4 renders of 2 iterations at each of two radii · radius 0.4",
         "ppm:radius=0.1,paths=16 after 2 iterations, L: relative error ",
-        "with half the radius noise ",
+        "With half the radius noise ",
         "half radius: noise",
         "up to 1.6 times as large",
     ] {

@@ -8,11 +8,10 @@ use super::words::{self, Verdict};
 use super::{AgreeView, Found, LENGTHS};
 use crate::formula::Formula;
 use crate::theme::{self, GRID, Palette};
+use crate::views::column::{ROW, table_row};
 use crate::views::{Stage, method_menu};
-use crate::widgets::{choice_row, focus_ring, paragraph};
+use crate::widgets::{choice_row, paragraph};
 
-/// Height of a row of the table.
-const ROW: f32 = 22.0;
 /// Where its columns end, as shares of the width.
 const ENDS: [f32; 3] = [0.5, 0.7, 1.0];
 
@@ -103,38 +102,21 @@ fn table(ui: &mut Ui, found: &Found, stage: &mut Stage<'_>) {
 
 fn row(ui: &mut Ui, found: &Found, term: &Term, stage: &mut Stage<'_>) {
     let p = Palette::of(ui);
-    let size = Vec2::new(ui.available_width(), ROW);
-    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    let wide = rect.expand2(Vec2::new(GRID, 0.0));
     let is_chosen = Found::part(stage.settings.part) == term.view;
-    if is_chosen || response.hovered() {
-        let fill = if is_chosen { p.chosen } else { p.raised };
-        ui.painter().rect_filled(wide, 4, fill);
-    }
     let said = Row::of(term);
-    let middle = rect.center().y;
     // A mark that can be told apart without its colour.
     let (mark, color) = match Verdict::of(found, term) {
         Verdict::None => ("?", p.weak),
         Verdict::Noise => ("≈", p.weak),
         Verdict::Bias => ("≠", p.amber),
     };
-    let painter = ui.painter_at(wide);
-    let at = pos2(rect.left(), middle);
-    painter.text(at, Align2::LEFT_CENTER, mark, theme::semibold(), color);
-    let name = Formula::name(&painter, term.view, theme::BODY, p.text);
-    name.paint(
-        &painter,
-        pos2(rect.left() + 16.0, middle - 0.5 * name.size.y),
-    );
-    for (end, text) in ENDS
-        .into_iter()
-        .zip([&said.ratio, &said.score, &said.beyond])
-    {
-        let at = pos2(rect.left() + end * rect.width(), middle);
-        painter.text(at, Align2::RIGHT_CENTER, text, theme::small(), p.text);
-    }
-    focus_ring(ui, &response, wide, 4);
+    let cells = [&said.ratio, &said.score, &said.beyond].map(String::as_str);
+    let response = table_row(ui, is_chosen, &ENDS, &cells, |painter, left, middle| {
+        let at = pos2(left, middle);
+        painter.text(at, Align2::LEFT_CENTER, mark, theme::semibold(), color);
+        let name = Formula::name(painter, term.view, theme::BODY, p.text);
+        name.paint(painter, pos2(left + 16.0, middle - 0.5 * name.size.y));
+    });
     if response.clicked() {
         stage.settings.part = term.view;
     }

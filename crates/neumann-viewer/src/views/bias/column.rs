@@ -1,0 +1,91 @@
+//! What stands beside the map: what is looked at, the line, the table of the terms.
+
+use egui::{Align2, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
+use neumann_core::film::View as Part;
+use neumann_picture::radius_bias::{Half, Row};
+
+use super::{BiasView, LENGTHS, measured};
+use crate::formula::Formula;
+use crate::theme::{self, GRID, Palette};
+use crate::views::Stage;
+use crate::views::column::{ROW, table_row};
+use crate::widgets::{choice_row, paragraph};
+
+/// Where the columns of the table end, as shares of the width.
+const ENDS: [f32; 3] = [0.38, 0.58, 1.0];
+
+/// Draws the column.
+pub(super) fn contents(ui: &mut Ui, view: &mut BiasView, stage: &mut Stage<'_>) {
+    ui.spacing_mut().item_spacing.y = 3.0;
+    const HALVES: [&str; 2] = [
+        "What chance makes: renders that differ in their seed alone spread by so much.",
+        "What the radius makes, by how the picture differs from one at half of it.",
+    ];
+    let chosen = Half::ALL.iter().position(|half| *half == view.half);
+    let labels = Half::ALL.map(Half::name);
+    let about = |i: usize| HALVES[i].to_owned();
+    if let Some(i) = choice_row(ui, "Map", &labels, about, chosen.unwrap_or(0)) {
+        view.half = Half::ALL[i];
+    }
+    let about = |i: usize| {
+        format!(
+            "The error is that of a picture after {} iterations. A change begins anew.",
+            LENGTHS[i]
+        )
+    };
+    let labels = LENGTHS.map(|n| n.to_string());
+    let labels = labels.each_ref().map(String::as_str);
+    let chosen = LENGTHS.iter().position(|n| *n == view.n_iterations);
+    if let Some(i) = choice_row(
+        ui,
+        "Iterations a render",
+        &labels,
+        about,
+        chosen.unwrap_or(0),
+    ) {
+        view.n_iterations = LENGTHS[i];
+    }
+    ui.add_space(GRID / 2.0);
+    let part = measured(stage.settings.part);
+    let Some(found) = view.found() else {
+        paragraph(ui, &view.waiting());
+        return;
+    };
+    let said = found.parts.iter().find(|(view, ..)| *view == part);
+    for line in said.iter().flat_map(|(.., said)| said) {
+        paragraph(ui, line);
+    }
+    ui.add_space(GRID / 2.0);
+    table(ui, &found.parts, stage);
+    ui.add_space(GRID / 2.0);
+    for note in &found.notes {
+        paragraph(ui, note);
+    }
+}
+
+/// A row for each part: a click shows its map.
+fn table(ui: &mut Ui, parts: &[(Part, Row, [String; 2])], stage: &mut Stage<'_>) {
+    let p = Palette::of(ui);
+    let size = Vec2::new(ui.available_width(), ROW);
+    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+    for (end, title) in ENDS.into_iter().zip(["error", "noise", "radius bias"]) {
+        let at = pos2(rect.left() + end * rect.width(), rect.center().y);
+        let painter = ui.painter();
+        painter.text(at, Align2::RIGHT_CENTER, title, theme::small(), p.weak);
+    }
+    for (part, row, [line, then]) in parts {
+        let is_chosen = measured(stage.settings.part) == *part;
+        let cells = [&row.error, &row.noise, &row.bias].map(String::as_str);
+        let response = table_row(ui, is_chosen, &ENDS, &cells, |painter, left, middle| {
+            let name = Formula::name(painter, *part, theme::BODY, p.text);
+            name.paint(painter, pos2(left, middle - 0.5 * name.size.y));
+        });
+        if response.clicked() {
+            stage.settings.part = *part;
+        }
+        let label = format!("{}: mostly {}", row.term, row.larger);
+        let spoken = format!("{label}\n{line} {then}\nA click shows its map.");
+        response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, is_chosen, &label));
+        response.on_hover_text(spoken);
+    }
+}

@@ -5,7 +5,7 @@ use egui::{
 };
 
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::focus_ring;
+use crate::widgets::{choice_row, focus_ring};
 
 /// Height of a row of a table.
 pub(super) const ROW: f32 = 22.0;
@@ -74,4 +74,32 @@ pub(super) fn table_row(
     }
     focus_ring(ui, &response, wide, 4);
     response
+}
+
+/// The heading of a table of such rows.
+pub(super) fn table_heading(ui: &mut Ui, ends: &[f32], titles: &[&str]) {
+    let p = Palette::of(ui);
+    let size = Vec2::new(ui.available_width(), ROW);
+    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+    for (end, title) in ends.iter().zip(titles) {
+        let at = pos2(rect.left() + end * rect.width(), rect.center().y);
+        let painter = ui.painter();
+        painter.text(at, Align2::RIGHT_CENTER, title, theme::small(), p.weak);
+    }
+}
+
+/// The choice of how many iterations something has; `about` says what each number means.
+pub(super) fn lengths(
+    ui: &mut Ui,
+    name: &str,
+    all: &[u32],
+    about: impl Fn(u32) -> String,
+    chosen: &mut u32,
+) {
+    let labels: Vec<String> = all.iter().map(u32::to_string).collect();
+    let labels: Vec<&str> = labels.iter().map(String::as_str).collect();
+    let now = all.iter().position(|n| n == chosen).unwrap_or(0);
+    if let Some(i) = choice_row(ui, name, &labels, |i| about(all[i]), now) {
+        *chosen = all[i];
+    }
 }

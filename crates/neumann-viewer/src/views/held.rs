@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use neumann_core::render::{CancelToken, RenderSettings};
+use neumann_core::render::{CancelToken, RenderSettings, WorkerPool};
+
+use crate::session::Session;
 
 /// How often paused work looks whether it goes on.
 const NAP: Duration = Duration::from_millis(20);
@@ -119,6 +121,35 @@ impl<W, R> Default for Follower<W, R> {
             held: None,
             next: None,
         }
+    }
+}
+
+impl<W, R> Follower<W, R>
+where
+    W: PartialEq + Clone + Send + 'static,
+    R: Clone + Default + Send + 'static,
+{
+    /// Once a frame: sees that `work` is done on what is wanted, with the threads of the window and
+    /// paused as the film is. Yields what is new; nothing yet, where it has just begun.
+    pub(super) fn attend(
+        &mut self,
+        name: &str,
+        wanted: Option<W>,
+        session: &Session,
+        is_first: bool,
+        work: fn(&Shared<R>, &W, &WorkerPool),
+    ) -> Option<R> {
+        let mut has_begun = false;
+        if let (Some(wanted), Some(pool)) = (wanted, session.link.pool()) {
+            has_begun = self.follow(&wanted, is_first, |wanted| {
+                let pool = pool.clone();
+                Held::begin(name, move |shared| work(shared, &wanted, &pool))
+            });
+        }
+        let held = self.held()?;
+        held.pause(session.link.is_paused());
+        let news = held.take_news();
+        news.or_else(|| has_begun.then(R::default))
     }
 }
 

@@ -12,6 +12,7 @@ use neumann_picture::sheet::Scale;
 use super::{Stage, picture};
 use crate::display::image_area::Placement;
 use crate::display::legend;
+use crate::probe::Reading;
 use crate::region;
 use crate::theme::{self, GRID, Palette};
 
@@ -122,6 +123,28 @@ pub(super) fn paint(ui: &Ui, stage: &mut Stage<'_>, placement: &Placement, paint
         let area = legend_area(rect, place.right());
         legend::show(&painter, area, painting.scale, &p);
     }
+}
+
+/// What is under the pointer: where that is, and what `words` says of that pixel of `size` ones.
+pub(super) fn under(
+    at: Pos2,
+    stage: &Stage<'_>,
+    region: Option<&Crop>,
+    size: (usize, usize),
+    words: impl FnOnce((usize, usize)) -> Vec<String>,
+) -> Option<Reading> {
+    let placement = stage.placement.as_ref()?;
+    let fraction = placement.fraction(at)?;
+    let (x, y) = Placement::pixel(fraction, placement.size);
+    let mut lines = vec![format!("x {x}  y {y}")];
+    let Some(fraction) = region::share(region, fraction) else {
+        return Some(Reading::outside_region(lines.remove(0)));
+    };
+    lines.extend(words(Placement::pixel(fraction, size)));
+    Some(Reading {
+        lines,
+        bounces: Vec::new(),
+    })
 }
 
 /// Says why there are no pixels yet.

@@ -14,10 +14,8 @@ use neumann_picture::sheet::{PictureSheet, picture_sheet};
 use super::plate::{self, Painting};
 use super::{Needs, Row, Shown, Stage, View, picture};
 use crate::display::ViewSettings;
-use crate::display::image_area::Placement;
 use crate::panels::Page;
 use crate::probe::Reading;
-use crate::region;
 use crate::session::Session;
 
 /// The row of albedos.
@@ -281,18 +279,8 @@ impl View for QuantityView {
 
     fn probe(&self, at: Pos2, stage: &Stage<'_>) -> Option<Reading> {
         let Taken { plane, region, .. } = self.taken.as_ref()?;
-        let placement = stage.placement.as_ref()?;
-        let fraction = placement.fraction(at)?;
-        let (x, y) = Placement::pixel(fraction, placement.size);
-        let mut lines = vec![format!("x {x}  y {y}")];
-        let Some(fraction) = region::share(region.as_ref(), fraction) else {
-            return Some(Reading::outside_region(lines.remove(0)));
-        };
-        let (x, y) = Placement::pixel(fraction, plane.size);
-        lines.extend(plane.words(x, y));
-        Some(Reading {
-            lines,
-            bounces: Vec::new(),
+        plate::under(at, stage, region.as_ref(), plane.size, |(x, y)| {
+            plane.words(x, y)
         })
     }
 

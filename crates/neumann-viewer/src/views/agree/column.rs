@@ -8,7 +8,7 @@ use super::words::{self, Verdict};
 use super::{AgreeView, Found, LENGTHS};
 use crate::formula::Formula;
 use crate::theme::{self, GRID, Palette};
-use crate::views::column::{ROW, table_row};
+use crate::views::column::{lengths, table_heading, table_row};
 use crate::views::{Stage, method_menu};
 use crate::widgets::{choice_row, paragraph};
 
@@ -31,25 +31,14 @@ pub(super) fn contents(ui: &mut Ui, view: &mut AgreeView, stage: &mut Stage<'_>)
     if let Some(i) = choice_row(ui, "Coloured", &labels, about, chosen.unwrap_or(0)) {
         view.grain = grains[i];
     }
-    let about = |i: usize| {
+    let about = |n: u32| {
         format!(
-            "{} iterations make a batch. A radius that shrinks does so within a batch; longer \
-             batches judge rarer light. A change begins anew.",
-            LENGTHS[i]
+            "{n} iterations make a batch. A radius that shrinks does so within a batch; longer \
+             batches judge rarer light. A change begins anew."
         )
     };
-    let labels = LENGTHS.map(|n| n.to_string());
-    let labels = labels.each_ref().map(String::as_str);
-    let chosen = LENGTHS.iter().position(|n| *n == view.n_iterations);
-    if let Some(i) = choice_row(
-        ui,
-        "Iterations a batch",
-        &labels,
-        about,
-        chosen.unwrap_or(0),
-    ) {
-        view.n_iterations = LENGTHS[i];
-    }
+    let name = "Iterations a batch";
+    lengths(ui, name, &LENGTHS, about, &mut view.n_iterations);
     ui.add_space(GRID / 2.0);
     let Some(found) = view.found.clone() else {
         paragraph(ui, "The first batches are rendered …");
@@ -87,14 +76,7 @@ fn methods(ui: &mut Ui, view: &mut AgreeView, stage: &Stage<'_>) {
 
 /// A row for each term: a click shows its map.
 fn table(ui: &mut Ui, found: &Found, stage: &mut Stage<'_>) {
-    let p = Palette::of(ui);
-    let size = Vec2::new(ui.available_width(), ROW);
-    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-    for (end, title) in ENDS.into_iter().zip(["ratio", "score", "beyond"]) {
-        let at = pos2(rect.left() + end * rect.width(), rect.center().y);
-        let painter = ui.painter();
-        painter.text(at, Align2::RIGHT_CENTER, title, theme::small(), p.weak);
-    }
+    table_heading(ui, &ENDS, &["ratio", "score", "beyond"]);
     for term in &found.agreement.terms {
         row(ui, found, term, stage);
     }

@@ -20,16 +20,14 @@ use neumann_picture::sheet::{AgreementSheet, agreement_sheet};
 
 use super::column::Width;
 use super::entry::{self, Entry};
-use super::held::{Follower, Held, PERIOD, within_memory};
+use super::held::{Follower, PERIOD, within_memory};
 use super::method_menu::{MethodMenu, Rules};
 use super::plate::{self, Painting};
 use super::{Needs, Row, Shown, Stage, View, picture};
 use crate::display::ViewSettings;
-use crate::display::image_area::Placement;
 use crate::keys::{self, Action};
 use crate::panels::Page;
 use crate::probe::Reading;
-use crate::region;
 use crate::session::Session;
 
 pub use worker::Found;
@@ -228,21 +226,10 @@ impl View for AgreeView {
             self.entries = [setup.method, partner].map(Entry::OfPage).into();
         }
         self.is_paused = session.link.is_paused();
-        if let (Some(wanted), Some(pool)) = (self.wanted(session), session.link.pool()) {
-            let is_first = self.found.is_none();
-            let has_begun = self.work.follow(&wanted, is_first, |wanted| {
-                let pool = pool.clone();
-                Held::begin(ID, move |shared| worker::hold(shared, &wanted, &pool))
-            });
-            if has_begun {
-                self.found = None;
-            }
-        }
-        if let Some(work) = self.work.held() {
-            work.pause(self.is_paused);
-            if let Some(found) = work.take_news() {
-                self.found = found;
-            }
+        let (wanted, is_first) = (self.wanted(session), self.found.is_none());
+        let work = &mut self.work;
+        if let Some(found) = work.attend(ID, wanted, session, is_first, worker::hold) {
+            self.found = found;
         }
         true
     }
@@ -263,19 +250,9 @@ impl View for AgreeView {
     fn probe(&self, at: Pos2, stage: &Stage<'_>) -> Option<Reading> {
         let painted = self.painted.as_ref()?;
         let found = &painted.of;
-        let placement = stage.placement.as_ref()?;
-        let fraction = placement.fraction(at)?;
-        let (x, y) = Placement::pixel(fraction, placement.size);
-        let place = format!("x {x}  y {y}");
-        let Some(fraction) = region::share(found.region.as_ref(), fraction) else {
-            return Some(Reading::outside_region(place));
-        };
-        let at = Placement::pixel(fraction, found.agreement.cells.size());
-        let mut lines = vec![place];
-        lines.extend(words::under(found, painted.part, self.grain, at));
-        Some(Reading {
-            lines,
-            bounces: Vec::new(),
+        let size = found.agreement.cells.size();
+        plate::under(at, stage, found.region.as_ref(), size, |at| {
+            words::under(found, painted.part, self.grain, at)
         })
     }
 

@@ -1,6 +1,6 @@
 //! What stands beside the map: what is looked at, the line, the table of the terms.
 
-use egui::{Align2, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
+use egui::{Role, Ui, WidgetInfo, pos2};
 use neumann_core::film::View as Part;
 use neumann_picture::radius_bias::{Half, Row};
 
@@ -8,7 +8,7 @@ use super::{BiasView, LENGTHS, measured};
 use crate::formula::Formula;
 use crate::theme::{self, GRID, Palette};
 use crate::views::Stage;
-use crate::views::column::{ROW, table_row};
+use crate::views::column::{lengths, table_heading, table_row};
 use crate::widgets::{choice_row, paragraph};
 
 /// Where the columns of the table end, as shares of the width.
@@ -27,24 +27,11 @@ pub(super) fn contents(ui: &mut Ui, view: &mut BiasView, stage: &mut Stage<'_>) 
     if let Some(i) = choice_row(ui, "Map", &labels, about, chosen.unwrap_or(0)) {
         view.half = Half::ALL[i];
     }
-    let about = |i: usize| {
-        format!(
-            "The error is that of a picture after {} iterations. A change begins anew.",
-            LENGTHS[i]
-        )
+    let about = |n: u32| {
+        format!("The error is that of a picture after {n} iterations. A change begins anew.")
     };
-    let labels = LENGTHS.map(|n| n.to_string());
-    let labels = labels.each_ref().map(String::as_str);
-    let chosen = LENGTHS.iter().position(|n| *n == view.n_iterations);
-    if let Some(i) = choice_row(
-        ui,
-        "Iterations a render",
-        &labels,
-        about,
-        chosen.unwrap_or(0),
-    ) {
-        view.n_iterations = LENGTHS[i];
-    }
+    let name = "Iterations a render";
+    lengths(ui, name, &LENGTHS, about, &mut view.n_iterations);
     ui.add_space(GRID / 2.0);
     let part = measured(stage.settings.part);
     let Some(found) = view.found() else {
@@ -66,13 +53,7 @@ pub(super) fn contents(ui: &mut Ui, view: &mut BiasView, stage: &mut Stage<'_>) 
 /// A row for each part: a click shows its map.
 fn table(ui: &mut Ui, parts: &[(Part, Row, [String; 2])], stage: &mut Stage<'_>) {
     let p = Palette::of(ui);
-    let size = Vec2::new(ui.available_width(), ROW);
-    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-    for (end, title) in ENDS.into_iter().zip(["error", "noise", "radius bias"]) {
-        let at = pos2(rect.left() + end * rect.width(), rect.center().y);
-        let painter = ui.painter();
-        painter.text(at, Align2::RIGHT_CENTER, title, theme::small(), p.weak);
-    }
+    table_heading(ui, &ENDS, &["error", "noise", "radius bias"]);
     for (part, row, [line, then]) in parts {
         let is_chosen = measured(stage.settings.part) == *part;
         let cells = [&row.error, &row.noise, &row.bias].map(String::as_str);

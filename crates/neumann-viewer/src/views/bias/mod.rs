@@ -21,15 +21,13 @@ use neumann_picture::radius_bias::{Half, common_look, has_radius, planes};
 use neumann_picture::sheet::{RadiusBiasSheet, Scale, radius_bias_sheet};
 
 use super::column::Width;
-use super::held::{Follower, Held, PERIOD, within_memory};
+use super::held::{Follower, PERIOD, within_memory};
 use super::plate::{self, Painting};
 use super::{Needs, Row, Shown, Stage, View, picture};
 use crate::display::ViewSettings;
-use crate::display::image_area::Placement;
 use crate::keys::{self, Action};
 use crate::panels::Page;
 use crate::probe::Reading;
-use crate::region;
 use crate::session::Session;
 
 pub use worker::{Finding, Found};
@@ -248,21 +246,10 @@ impl View for BiasView {
 
     fn attend(&mut self, session: &Session, _settings: &ViewSettings) -> bool {
         self.is_paused = session.link.is_paused();
-        if let (Some(wanted), Some(pool)) = (self.wanted(session), session.link.pool()) {
-            let is_first = self.found.is_none();
-            let has_begun = self.work.follow(&wanted, is_first, |wanted| {
-                let pool = pool.clone();
-                Held::begin(ID, move |shared| worker::hold(shared, &wanted, &pool))
-            });
-            if has_begun {
-                self.found = None;
-            }
-        }
-        if let Some(work) = self.work.held() {
-            work.pause(self.is_paused);
-            if let Some(found) = work.take_news() {
-                self.found = found;
-            }
+        let (wanted, is_first) = (self.wanted(session), self.found.is_none());
+        let work = &mut self.work;
+        if let Some(found) = work.attend(ID, wanted, session, is_first, worker::hold) {
+            self.found = found;
         }
         true
     }
@@ -281,34 +268,26 @@ impl View for BiasView {
     fn probe(&self, at: Pos2, stage: &Stage<'_>) -> Option<Reading> {
         let painted = self.painted.as_ref()?;
         let found = painted.of.as_ref().as_ref().ok()?;
-        let placement = stage.placement.as_ref()?;
-        let fraction = placement.fraction(at)?;
-        let (x, y) = Placement::pixel(fraction, placement.size);
-        let place = format!("x {x}  y {y}");
-        let Some(fraction) = region::share(found.region.as_ref(), fraction) else {
-            return Some(Reading::outside_region(place));
-        };
-        let mut lines = vec![place];
-        let (x, y) = Placement::pixel(fraction, painted.planes[0].size);
-        for (half, plane) in Half::ALL.into_iter().zip(painted.planes.iter()) {
-            // Its second line would be a share of L.
-            let words = plane.words(x, y).into_iter().next().unwrap_or_default();
-            lines.push(format!("{} {words}", half.name()));
-        }
-        let held = found.held.read().unwrap_or_else(PoisonError::into_inner);
-        if let Some(view) = held.views().iter().position(|view| *view == painted.part) {
-            let pixel = y * painted.planes[0].size.0 + x;
-            let [wide, bias] = held.pixel(view, pixel);
-            let number = |value, figures| significant(value, figures);
-            lines.push(format!("mean {} W m⁻² sr⁻¹", number(wide.mean, 4)));
-            let error = number(bias.standard_error, 2);
-            let sign = if bias.mean < 0.0 { "−" } else { "" };
-            let mean = number(bias.mean.abs(), 3);
-            lines.push(format!("bias {sign}{mean} ± {error} here"));
-        }
-        Some(Reading {
-            lines,
-            bounces: Vec::new(),
+        let size = painted.planes[0].size;
+        plate::under(at, stage, found.region.as_ref(), size, |(x, y)| {
+            let mut lines = Vec::new();
+            for (half, plane) in Half::ALL.into_iter().zip(painted.planes.iter()) {
+                // Its second line would be a share of L.
+                let words = plane.words(x, y).into_iter().next().unwrap_or_default();
+                lines.push(format!("{} {words}", half.name()));
+            }
+            let held = found.held.read().unwrap_or_else(PoisonError::into_inner);
+            if let Some(view) = held.views().iter().position(|view| *view == painted.part) {
+                let pixel = y * size.0 + x;
+                let [wide, bias] = held.pixel(view, pixel);
+                let number = |value, figures| significant(value, figures);
+                lines.push(format!("mean {} W m⁻² sr⁻¹", number(wide.mean, 4)));
+                let error = number(bias.standard_error, 2);
+                let sign = if bias.mean < 0.0 { "−" } else { "" };
+                let mean = number(bias.mean.abs(), 3);
+                lines.push(format!("bias {sign}{mean} ± {error} here"));
+            }
+            lines
         })
     }
 

@@ -21,6 +21,8 @@ mod media;
 mod merging;
 mod own_light;
 mod photons;
+
+mod radius_bias;
 mod reference;
 mod region;
 mod replay;

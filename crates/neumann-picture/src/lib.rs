@@ -4,7 +4,8 @@
 //! [`files`] writes without ever leaving half a file; [`png_file`] and [`exr_file`] keep
 //! pictures, the latter a whole film with its history, so that a render can be gone on with;
 //! [`image_file`] reads any picture back; [`compare`] measures how far two are apart,
-//! [`agreement`] whether that is chance, and [`race`] lets methods come near at equal time;
+//! [`agreement`] whether that is chance, [`radius_bias`] how much of it is, and [`race`] lets
+//! methods come near at equal time;
 //! [`photons`] colours photons, [`quantity`] what a pixel holds beside radiance; [`histogram`]
 //! counts how bright they are; [`inspection`] says by which paths light came to one,
 //! [`hemisphere`] from where; [`lobe`] plots BSDFs; [`energy`] says what the terms are worth;
@@ -31,6 +32,7 @@ pub mod photons;
 pub mod png_file;
 pub mod quantity;
 pub mod race;
+pub mod radius_bias;
 pub mod sheet;
 pub mod state;
 pub mod tone;

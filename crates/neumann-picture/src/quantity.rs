@@ -132,6 +132,24 @@ impl QuantityPlane {
         })
     }
 
+    /// Errors of the luminance that are known otherwise, each with the mean of its pixel.
+    #[must_use]
+    pub fn of_known_errors(size: (usize, usize), errors: Vec<[f32; 2]>) -> Self {
+        Self {
+            size,
+            values: Values::Error(errors),
+        }
+    }
+
+    /// The largest error; 0 of anything else.
+    #[must_use]
+    pub fn largest_error(&self) -> f32 {
+        match &self.values {
+            Values::Error(all) => all.iter().map(|[error, _]| *error).fold(0.0, f32::max),
+            _ => 0.0,
+        }
+    }
+
     /// The numbers of samples.
     #[must_use]
     pub fn of_samples(samples: &SampleMap) -> Self {

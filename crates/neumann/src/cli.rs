@@ -1,6 +1,7 @@
 //! What can be typed.
 
 mod agree;
+mod bias;
 mod hemisphere;
 mod inspect;
 mod lobe;
@@ -22,6 +23,7 @@ use crate::options::{
 };
 
 pub(crate) use agree::AgreeArguments;
+pub(crate) use bias::BiasArguments;
 pub(crate) use hemisphere::HemisphereArguments;
 pub(crate) use inspect::InspectArguments;
 pub(crate) use lobe::LobeArguments;
@@ -77,6 +79,8 @@ pub(crate) enum Command {
     Race(RaceArguments),
     /// Say whether two methods make the same picture, bounce by bounce
     Agree(AgreeArguments),
+    /// Split the error of a method with a radius into noise and the bias of the radius
+    Bias(BiasArguments),
     /// Say by which paths light has come to a pixel in one iteration
     Replay(ReplayArguments),
     /// Ask why a pixel is as bright as it is: values, techniques, distribution, ways, paths

@@ -71,6 +71,11 @@ fn one_line(text: &str) -> String {
     text.lines().map(str::trim).collect::<Vec<_>>().join(" ")
 }
 
+/// Somebody has ended the work before there was anything to write.
+pub(crate) fn interrupted() -> anyhow::Error {
+    anyhow::anyhow!("interrupted; nothing was written")
+}
+
 #[cfg(test)]
 mod tests {
     use super::{OrBadInput, bad_input, one_line};

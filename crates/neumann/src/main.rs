@@ -7,6 +7,7 @@
 //! input.
 
 mod agree;
+mod bias;
 mod cli;
 mod compare;
 mod completions;
@@ -63,6 +64,7 @@ fn main() -> ExitCode {
         Some(Command::Series(arguments)) => series::run(&arguments),
         Some(Command::Race(arguments)) => race::run(&arguments),
         Some(Command::Agree(arguments)) => agree::run(&arguments),
+        Some(Command::Bias(arguments)) => bias::run(&arguments),
         Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::List(arguments)) => list::run(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),

@@ -50,6 +50,17 @@ pub(crate) fn check(paths: &[PathBuf]) -> Outcome {
     Ok(())
 }
 
+/// Finds out whether a map, which is a PNG file, could be written.
+pub(crate) fn check_map(map: Option<&PathBuf>) -> Outcome {
+    let Some(map) = map else {
+        return Ok(());
+    };
+    if kind(map)? != Kind::Png {
+        return Err(bad_input(format!("{}: the map is a .png", map.display())));
+    }
+    check(std::slice::from_ref(map))
+}
+
 /// Refuses to write over a file that is read.
 pub(crate) fn refuse_inputs<'a>(
     outputs: &[PathBuf],

@@ -7,6 +7,8 @@
 mod agree;
 #[path = "command/backs.rs"]
 mod backs;
+#[path = "command/bias.rs"]
+mod bias;
 #[path = "command/classes.rs"]
 mod classes;
 #[path = "command/continued.rs"]

@@ -25,10 +25,16 @@ impl Estimate {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+        Self::of_spread(mean, squares, values.len())
+    }
+
+    /// From the mean of `n` independent values and their squared deviations from it.
+    #[must_use]
+    pub fn of_spread(mean: f64, squares: f64, n: usize) -> Self {
         Self {
             mean,
-            standard_error: (squares / (n - 1.0) / n).sqrt(),
-            n: values.len(),
+            standard_error: (squares / (n as f64 - 1.0) / n as f64).sqrt(),
+            n,
         }
     }
 

@@ -2,11 +2,13 @@
 //!
 //! A pixel has the colour of the smallest cell around it that is beyond the limit: orange where the
 //! first method is brighter, blue where it is darker. Where there is none, it has the grey of its
-//! own score.
+//! own score. Of single pixels, it has the colour of its own score, where that is beyond theirs.
 
 use super::{Agreement, Term};
 use crate::false_colour;
+use crate::figures::significant;
 use crate::png_file::Pixels8;
+use crate::sheet::Scale;
 
 /// Scores of a pixel that are darkest and lightest.
 const GREYS: f32 = 4.0;
@@ -15,9 +17,19 @@ pub const FULL_COLOUR: f32 = 4.0;
 /// How much colour a score just beyond the limit has.
 const FAINTEST: f32 = 0.6;
 
+/// What has a colour of its own on a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Grain {
+    /// The cells, by which two methods are judged.
+    #[default]
+    Blocks,
+    /// Each pixel.
+    Pixels,
+}
+
 /// The map of a term, as large as the picture.
 #[must_use]
-pub fn map(agreement: &Agreement, term: &Term) -> Pixels8 {
+pub fn map(agreement: &Agreement, term: &Term, grain: Grain) -> Pixels8 {
     let cells = agreement.cells;
     let (width, height) = cells.size();
     let limit = agreement.limit;
@@ -27,9 +39,16 @@ pub fn map(agreement: &Agreement, term: &Term) -> Pixels8 {
             score.is_beyond(limit).then_some(score.deviations / limit)
         })
     };
-    let pixels = (0..width * height).map(|pixel| match beyond(pixel % width, pixel / width) {
-        Some(limits) => colour(limits as f32),
-        None => grey(term.pixels[pixel] / GREYS),
+    let pixels = (0..width * height).map(|pixel| {
+        let limits = match grain {
+            Grain::Blocks => beyond(pixel % width, pixel / width),
+            Grain::Pixels => (term.is_beyond(pixel, agreement.pixel_limit))
+                .then(|| f64::from(term.pixels[pixel]) / agreement.pixel_limit),
+        };
+        match limits {
+            Some(limits) => colour(limits as f32),
+            None => grey(term.pixels[pixel] / GREYS),
+        }
     });
     Pixels8 {
         width,
@@ -46,6 +65,23 @@ pub fn colour(limits: f32) -> [u8; 3] {
     }
     let over = ((limits.abs() - 1.0) / (FULL_COLOUR - 1.0)).min(1.0);
     false_colour::diverging((FAINTEST + (1.0 - FAINTEST) * over).copysign(limits))
+}
+
+/// What the colours mean where the limit is so many standard deviations.
+#[must_use]
+pub fn scale(limit: f64) -> Scale {
+    const N: usize = 65;
+    let places = (0..N).map(|i| 2.0 * i as f32 / (N - 1) as f32 - 1.0);
+    let marks = [-FULL_COLOUR, -1.0, 0.0, 1.0, FULL_COLOUR].map(|limits| {
+        let number = significant(f64::from(limits.abs()) * limit, 2);
+        let sign = if limits < 0.0 { "−" } else { "" };
+        (0.5 + 0.5 * limits / FULL_COLOUR, format!("{sign}{number}"))
+    });
+    Scale {
+        unit: "deviations".to_owned(),
+        colours: places.map(|t| colour(t * FULL_COLOUR)).collect(),
+        marks: marks.into(),
+    }
 }
 
 /// A grey about that of zero.

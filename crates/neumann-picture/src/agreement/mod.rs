@@ -12,6 +12,13 @@
 //! batch, or one of them never does ([`Term::n_rare`] counts the others). And the relative error of
 //! each mean is taken at the larger of the two.
 //!
+//! The scores of single pixels have a limit of their own. They are shown, and no verdict is by
+//! them: a pixel has too few samples for means that are nearly normal.
+//!
+//! Who looks after each batch looks often, and every look may be deceived. So
+//! [`Agreement::while_watched`] gives the look after `n` batches the share `(m - 1) / (n (n - 1))`
+//! of the level, from `m` = [`FEWEST`] batches on; all looks together have all of it.
+//!
 //! On `cornell` at 32×32 pixels, with 64 samples a pixel, that brought false alarms between
 //! `pt-mis` and `bdpt` from 27 of 100 runs to none at a level of 1 %; where there are many samples
 //! it changes nothing.
@@ -20,17 +27,23 @@ mod batches;
 mod cells;
 mod estimate;
 mod map;
+mod report;
+mod side;
 #[cfg(test)]
 mod tests;
 
 use neumann_core::film::View;
-use neumann_core::radiometry::Rgb;
+use rayon::prelude::*;
 
 pub use batches::Batches;
 pub use cells::{Cell, Cells};
 pub use estimate::{Estimate, MOST_DEVIATIONS, deviations, two_sided};
-pub use map::{FULL_COLOUR, colour, map};
+pub use map::{FULL_COLOUR, Grain, colour, map, scale};
+pub use report::{CHANNELS, Report, Row, count, ratio, score_text};
+pub use side::{Length, Side, batch, seed};
 
+/// Batches from which on a verdict is given. Of fewer the spread may be none by chance.
+pub const FEWEST: usize = 8;
 /// What single precision may do to a mean, relative.
 const ROUNDING: f64 = 1e-5;
 
@@ -43,6 +56,8 @@ pub struct Agreement {
     pub n_scores: usize,
     /// Scores beyond it are no chance.
     pub limit: f64,
+    /// The same of single pixels.
+    pub pixel_limit: f64,
     /// Where they were compared.
     pub cells: Cells,
     /// The terms, the tail and L; what is black by both methods is left out.
@@ -68,6 +83,8 @@ pub struct Term {
     pub n_beyond_black: [usize; 2],
     /// Scores of the luminance of each pixel.
     pub pixels: Vec<f32>,
+    /// Pixels in which all batches of each method found light, or none did.
+    pub is_sure: Vec<bool>,
 }
 
 /// How far two means are apart.
@@ -86,6 +103,27 @@ impl Agreement {
     /// If their films differ in shape.
     #[must_use]
     pub fn of(batches: [&Batches; 2], level: f64) -> Self {
+        Self::at_a_look(batches, level, 1.0)
+    }
+
+    /// The same where each batch is followed by a look: the level is that of all looks together.
+    ///
+    /// # Panics
+    /// If their films differ in shape.
+    #[must_use]
+    pub fn while_watched(batches: [&Batches; 2], level: f64) -> Self {
+        let n = batches[0].n().min(batches[1].n());
+        let share = (FEWEST - 1) as f64 / (n * (n.max(2) - 1)).max(1) as f64;
+        Self::at_a_look(batches, level, if n < FEWEST { 0.0 } else { share })
+    }
+
+    /// True where there are enough batches for a verdict.
+    #[must_use]
+    pub fn is_judged(&self) -> bool {
+        self.limit < MOST_DEVIATIONS
+    }
+
+    fn at_a_look(batches: [&Batches; 2], level: f64, share: f64) -> Self {
         let [a, b] = batches;
         let (cells, views) = (a.cells(), a.views());
         assert_eq!((cells, &views), (b.cells(), &b.views()), "of one shape");
@@ -96,7 +134,8 @@ impl Agreement {
             .map(|pair| (0..cells.len()).map(|cell| pair.scores(cell)).collect())
             .collect();
         let n_scores = scores.iter().flatten().flatten().flatten().count();
-        let limit = deviations(level / n_scores.max(1) as f64);
+        let limit_of = |n: usize| deviations(level * share / n.max(1) as f64);
+        let limit = limit_of(n_scores);
         let terms = pairs.iter().zip(&scores).map(|(pair, scores)| {
             let largest = |scores: &[Option<Score>; 3]| {
                 let scores = scores.iter().flatten().copied();
@@ -108,12 +147,15 @@ impl Agreement {
                 limit,
             )
         });
+        let terms: Vec<Term> = terms.collect();
+        let sure = terms.iter().flat_map(|term| &term.is_sure);
         Self {
             level,
             n_scores,
             limit,
+            pixel_limit: limit_of(sure.filter(|is_sure| **is_sure).count()),
             cells,
-            terms: terms.collect(),
+            terms,
         }
     }
 
@@ -125,7 +167,9 @@ impl Agreement {
 }
 
 impl Score {
-    fn of(a: Estimate, b: Estimate, channel: usize) -> Self {
+    /// How far two estimates of a channel are apart.
+    #[must_use]
+    pub fn of(a: Estimate, b: Estimate, channel: usize) -> Self {
         let larger = a.mean.max(b.mean);
         let p_value = a
             .error_at(larger)
@@ -157,6 +201,12 @@ impl Term {
         scores
             .filter_map(|(cell, score)| Some((cell, (*score)?)))
             .max_by(|a, b| a.1.deviations.abs().total_cmp(&b.1.deviations.abs()))
+    }
+
+    /// True if chance does not explain the score of a pixel.
+    #[must_use]
+    pub fn is_beyond(&self, pixel: usize, limit: f64) -> bool {
+        self.is_sure[pixel] && f64::from(self.pixels[pixel].abs()) > limit
     }
 
     /// Cells that are judged.
@@ -207,10 +257,14 @@ impl Pair<'_> {
         let beyond = (0..scores.len()).filter(|cell| is_beyond(&scores[*cell]));
         let beyond: Vec<[usize; 2]> = beyond.map(|cell| self.n_lit(cell)).collect();
         let (width, height) = self.batches[0].cells().size();
-        let pixels = (0..width * height).map(|pixel| {
+        let pixels = (0..width * height).into_par_iter().map(|pixel| {
             let [a, b] = self.batches.map(|batches| batches.pixel(self.view, pixel));
             Score::of(a, b, 0).deviations as f32
         });
+        let is_sure = |pixel| {
+            let lit = self.batches.map(|batches| batches.is_lit(self.view, pixel));
+            lit.iter().all(Option::is_some)
+        };
         let (means, seen_from) = self.whole(limit);
         Term {
             view,
@@ -221,24 +275,13 @@ impl Pair<'_> {
             n_beyond_black: [0, 1].map(|i| beyond.iter().filter(|lit| lit[i] == 0).count()),
             scores,
             pixels: pixels.collect(),
+            is_sure: (0..width * height).map(is_sure).collect(),
         }
     }
 
-    /// Mean luminance by each method, and the relative difference that would be at the limit. The
-    /// errors of the channels are taken to move together, which is the safe side.
+    /// Mean luminance by each method, and the relative difference that would be at the limit.
     fn whole(&self, limit: f64) -> ([f64; 2], f64) {
-        let luminance = |value: &dyn Fn(usize) -> f64| {
-            let [r, g, b] = [0, 1, 2].map(value).map(|v| v as f32);
-            f64::from(Rgb::new(r, g, b).luminance())
-        };
-        let estimates = [0, 1].map(|i| {
-            let of = |channel| self.batches[i].estimate(self.view, 0, channel);
-            Estimate {
-                mean: luminance(&|channel| of(channel).mean),
-                standard_error: luminance(&|channel| of(channel).standard_error),
-                n: self.batches[i].n(),
-            }
-        });
+        let estimates = self.batches.map(|b| b.luminance(self.view, 0));
         let means = estimates.map(|estimate| estimate.mean);
         let middle = 0.5 * (means[0] + means[1]);
         let [a, b] = estimates.map(|estimate| Estimate {

@@ -3,7 +3,7 @@
 use neumann_core::film::{Film, View};
 use neumann_core::radiometry::Rgb;
 
-use super::{Agreement, Batches, Score};
+use super::{Agreement, Batches, FEWEST, Grain, Score};
 
 const N: usize = 16;
 const SIZE: usize = 16;
@@ -21,8 +21,12 @@ fn noise(stream: usize, batch: usize, pixel: usize) -> f32 {
 
 /// Batches of one layer, which `value(batch, x, y)` is times noise, and a tail without light.
 fn batches(stream: usize, value: impl Fn(usize, usize, usize) -> Rgb) -> Batches {
+    some_batches(stream, N, value)
+}
+
+fn some_batches(stream: usize, n: usize, value: impl Fn(usize, usize, usize) -> Rgb) -> Batches {
     let mut batches = Batches::new(SIZE, SIZE, 1);
-    for batch in 0..N {
+    for batch in 0..n {
         let pixels = 0..SIZE * SIZE;
         let layer = pixels
             .map(|pixel| value(batch, pixel % SIZE, pixel / SIZE) * noise(stream, batch, pixel));
@@ -103,7 +107,7 @@ fn a_bias_is_found_in_its_quarter_and_in_its_channel() {
     let cell = agreement.cells.cell(cell);
     assert_eq!((cell.x, cell.y), ([8, 16], [0, 8]));
     assert_eq!(score.channel, 2);
-    let map = super::map(&agreement, &agreement.terms[0]);
+    let map = super::map(&agreement, &agreement.terms[0], Grain::Blocks);
     let has_hue = |x: usize, y: usize| {
         let [r, g, b] = map.pixels[y * SIZE + x];
         !(r == g && g == b)
@@ -172,7 +176,7 @@ fn a_pixel_has_the_colour_of_the_smallest_cell_that_is_beyond() {
     let term = &agreement.terms[0];
     let score = term.whole().unwrap();
     assert!(score.deviations > agreement.limit, "brighter as a whole");
-    let map = super::map(&agreement, term);
+    let map = super::map(&agreement, term, Grain::Blocks);
     let is_orange = |x: usize, y: usize| {
         let [r, _, b] = map.pixels[y * SIZE + x];
         assert_ne!(r, b);
@@ -196,4 +200,61 @@ fn errors_are_those_of_the_larger_mean() {
     let expected = super::deviations(estimate(0.5, 0.1).p_value_against(&high, 0.0));
     assert!((score + expected).abs() < 1e-6, "{score} {expected}");
     assert!(score < -3.0);
+}
+
+/// Looks share the level: the earliest verdict has the eighth part of it, and none comes before.
+#[test]
+fn who_looks_often_is_deceived_no_more_often() {
+    let limit = |n: usize| {
+        let [a, b] = [1, 2].map(|stream| some_batches(stream, n, |_, _, _| Rgb::WHITE));
+        let agreement = Agreement::while_watched([&a, &b], 0.01);
+        assert_eq!(agreement.is_judged(), n >= FEWEST, "{n}");
+        (Agreement::of([&a, &b], 0.01).limit, agreement.limit)
+    };
+    let (_, early) = limit(FEWEST - 1);
+    assert!(early >= super::MOST_DEVIATIONS, "no verdict");
+    let share = |n: f64| super::deviations(0.01 / 30.0 * 7.0 / (n * (n - 1.0)));
+    for n in [8, 9, 16] {
+        let (once, watched) = limit(n);
+        assert!(watched > once);
+        assert!((watched - share(n as f64)).abs() < 1e-9, "{n}");
+    }
+    let of_all: f64 = (8..100_000)
+        .map(|n| 7.0 / f64::from(n) / f64::from(n - 1))
+        .sum();
+    assert!((of_all - 1.0).abs() < 1e-4);
+}
+
+#[test]
+fn a_single_pixel_lights_up_by_its_own_score_and_rare_light_does_not() {
+    let honest = white(1);
+    let biased = batches(2, |_, x, y| {
+        Rgb::splat(if (x, y) == (3, 5) { 2.0 } else { 1.0 })
+    });
+    let agreement = Agreement::of([&biased, &honest], 0.01);
+    let term = &agreement.terms[0];
+    assert!(
+        agreement.pixel_limit > agreement.limit,
+        "there are more of them"
+    );
+    let beyond: Vec<usize> = (0..SIZE * SIZE)
+        .filter(|pixel| term.is_beyond(*pixel, agreement.pixel_limit))
+        .collect();
+    assert_eq!(beyond, [5 * SIZE + 3]);
+    let hues = |grain| {
+        let map = super::map(&agreement, term, grain);
+        let has_hue = |[r, g, b]: &&[u8; 3]| !(r == g && g == b);
+        map.pixels.iter().filter(has_hue).count()
+    };
+    assert_eq!(hues(Grain::Pixels), 1);
+    assert_ne!(hues(Grain::Blocks), 1, "blocks have more pixels");
+    // Once without light.
+    let rare = batches(2, |batch, x, y| {
+        let value = if batch == 4 { 0.0 } else { 2.0 };
+        Rgb::splat(if (x, y) == (3, 5) { value } else { 1.0 })
+    });
+    let agreement = Agreement::of([&rare, &honest], 0.01);
+    let term = &agreement.terms[0];
+    assert!(!term.is_sure[5 * SIZE + 3] && term.is_sure[0]);
+    assert!(!term.is_beyond(5 * SIZE + 3, 0.0));
 }

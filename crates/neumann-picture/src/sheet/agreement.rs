@@ -6,7 +6,7 @@ use super::{
     BRIGHT, FORMULA, FRAME, GROUND, GUTTER, HEADING, MARGIN, NOTE, PLAIN, SHARE, SUBTITLE, TITLE,
     UNIT, WORDS, formula,
 };
-use crate::agreement::{Agreement, FULL_COLOUR, Term, colour, map};
+use crate::agreement::{Agreement, FULL_COLOUR, Grain, Term, colour, map};
 use crate::figures::significant;
 use crate::png_file::Pixels8;
 
@@ -21,6 +21,8 @@ pub struct AgreementSheet<'a> {
     pub n_layers: usize,
     /// The scores.
     pub agreement: &'a Agreement,
+    /// What has a colour of its own.
+    pub grain: Grain,
     /// What follows from them, a line each.
     pub lines: &'a [String],
 }
@@ -123,7 +125,7 @@ impl Page {
             height: height + 2,
         };
         self.canvas.fill(frame, FRAME);
-        let map = scaled(&map(sheet.agreement, term), width, height);
+        let map = scaled(&map(sheet.agreement, term, sheet.grain), width, height);
         self.canvas.paste(x, y, &map);
         let base = y + height + LINE + 2;
         let right = x + width;
@@ -238,7 +240,7 @@ fn tile((width, height): (usize, usize)) -> (usize, usize) {
 }
 
 /// A picture made larger pixel by pixel, or smaller by averages of what is shown.
-fn scaled(source: &Pixels8, width: usize, height: usize) -> Pixels8 {
+pub(super) fn scaled(source: &Pixels8, width: usize, height: usize) -> Pixels8 {
     let span = |i: usize, n: usize, length: usize| {
         let start = i * length / n;
         start..((i + 1) * length / n).max(start + 1)
@@ -270,7 +272,7 @@ mod tests {
 
     use super::super::{HEADING, MARGIN};
     use super::{AgreementSheet, agreement_sheet, scaled, tile};
-    use crate::agreement::{Agreement, Batches, colour};
+    use crate::agreement::{Agreement, Batches, Grain, colour};
     use crate::png_file::Pixels8;
 
     /// Batches of a uniform picture of two layers, with some noise.
@@ -294,6 +296,7 @@ mod tests {
             names: ["pt-mis", "bdpt"],
             n_layers: 1,
             agreement: &Agreement::of([&a, &b], 0.01),
+            grain: Grain::Blocks,
             lines: &["They disagree.".to_owned()],
         })
     }

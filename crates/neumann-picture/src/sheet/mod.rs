@@ -13,6 +13,7 @@ mod lobe;
 mod photons;
 mod picture;
 mod race;
+mod radius_bias;
 mod techniques;
 mod text;
 
@@ -33,6 +34,7 @@ pub use lobe::{LobeSheet, lobe_sheet};
 pub use photons::photon_sheet;
 pub use picture::{PictureSheet, Scale, Stroke, Wipe, picture_sheet};
 pub use race::{RacePicture, RaceSheet, race_sheet};
+pub use radius_bias::{RadiusBiasSheet, radius_bias_sheet};
 pub use techniques::{technique_name, technique_sheet};
 
 /// What stands on the sheet beside the pictures.

@@ -9,12 +9,17 @@
 //! its row [`Needs`]. What the film is, and which part of the series is chosen, is not its own: a
 //! *part* (`neumann_core::film::View`) is shown by a *view*.
 
+pub mod agree;
+pub mod bias;
 mod column;
 pub mod energy;
+pub mod entry;
+mod held;
 pub mod hemisphere;
 pub mod inspect;
 pub mod layers;
 pub mod lobe;
+mod method_menu;
 pub mod photons;
 pub mod picture;
 mod plate;
@@ -54,6 +59,8 @@ pub static VIEWS: &[&Row] = &[
     &layers::ROW,
     &lobe::ROW,
     &race::ROW,
+    &agree::ROW,
+    &bias::ROW,
     &energy::ROW,
 ];
 

@@ -2,15 +2,24 @@
 //! that they are on.
 
 use egui::{
-    Color32, ColorImage, Context, Painter, Pos2, Rect, TextureFilter, TextureHandle,
-    TextureOptions, Vec2,
+    Align2, Color32, ColorImage, Context, Painter, Pos2, Rect, TextureFilter, TextureHandle,
+    TextureOptions, Ui, Vec2, pos2,
 };
+use neumann_core::scene::description::Crop;
 use neumann_picture::png_file::Pixels8;
+use neumann_picture::sheet::Scale;
 
+use super::{Stage, picture};
+use crate::display::image_area::Placement;
+use crate::display::legend;
+use crate::probe::Reading;
+use crate::region;
 use crate::theme::{self, GRID, Palette};
 
 /// Edges of the picture are this near to those of the area where text keeps off them.
 const NEAR: f32 = 6.0 * GRID;
+/// A narrower area has no room for a legend.
+const NARROWEST: f32 = 30.0 * GRID;
 /// How far the plate of a caption reaches beyond its text.
 pub(super) const MARGIN: Vec2 = Vec2::new(GRID, 6.0);
 
@@ -85,6 +94,66 @@ pub(super) fn show(
     painter.galley(at, caption, p.text);
     painter.galley(at + Vec2::new(0.0, below), facts, p.weak);
     plate
+}
+
+/// Pixels of a view's own on the place of the picture.
+pub(super) struct Painting<'a> {
+    pub(super) texture: &'a TextureHandle,
+    /// Where they lie in the whole picture, if they are of a region alone.
+    pub(super) region: Option<&'a Crop>,
+    pub(super) caption: &'a str,
+    /// The second one where there is no room for the first.
+    pub(super) facts: [String; 2],
+    /// What the colours mean.
+    pub(super) scale: &'a Scale,
+}
+
+/// Draws them with their caption and their scale.
+pub(super) fn paint(ui: &Ui, stage: &mut Stage<'_>, placement: &Placement, painting: Painting<'_>) {
+    let p = Palette::of(ui);
+    let rect = stage.rect;
+    let painter = ui.painter().with_clip_rect(rect);
+    let place = region::rect(placement, painting.region);
+    picture::fill_around(ui, rect, place.intersect(rect), p.ground);
+    let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+    painter.image(painting.texture.id(), place, whole, Color32::WHITE);
+    let (caption, facts) = (painting.caption, painting.facts);
+    stage.caption = show(&painter, rect, place.min, caption, facts, &p);
+    if rect.width() >= NARROWEST {
+        let area = legend_area(rect, place.right());
+        legend::show(&painter, area, painting.scale, &p);
+    }
+}
+
+/// What is under the pointer: where that is, and what `words` says of that pixel of `size` ones.
+pub(super) fn under(
+    at: Pos2,
+    stage: &Stage<'_>,
+    region: Option<&Crop>,
+    size: (usize, usize),
+    words: impl FnOnce((usize, usize)) -> Vec<String>,
+) -> Option<Reading> {
+    let placement = stage.placement.as_ref()?;
+    let fraction = placement.fraction(at)?;
+    let (x, y) = Placement::pixel(fraction, placement.size);
+    let mut lines = vec![format!("x {x}  y {y}")];
+    let Some(fraction) = region::share(region, fraction) else {
+        return Some(Reading::outside_region(lines.remove(0)));
+    };
+    lines.extend(words(Placement::pixel(fraction, size)));
+    Some(Reading {
+        lines,
+        bounces: Vec::new(),
+    })
+}
+
+/// Says why there are no pixels yet.
+pub(super) fn wait(ui: &Ui, rect: Rect, text: &str) {
+    let p = Palette::of(ui);
+    picture::fill_around(ui, rect, Rect::NOTHING, p.ground);
+    let painter = ui.painter().with_clip_rect(rect);
+    let middle = Align2::CENTER_CENTER;
+    painter.text(rect.center(), middle, text, theme::body(), p.weak);
 }
 
 /// What text stands on: such pixels are too busy for the plate of a picture's caption.

@@ -4,21 +4,19 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::{Align2, Color32, Context, Pos2, Rect, TextureHandle, Ui, pos2};
+use egui::{Context, Pos2, TextureHandle, Ui};
 use neumann_core::film::View as Part;
 use neumann_core::film::{Features, SampleMap};
 use neumann_core::scene::description::Crop;
 use neumann_picture::quantity::{Quantity, QuantityLook, QuantityPlane};
 use neumann_picture::sheet::{PictureSheet, picture_sheet};
 
-use super::{Needs, Row, Shown, Stage, View, picture, plate};
-use crate::display::image_area::Placement;
-use crate::display::{ViewSettings, legend};
+use super::plate::{self, Painting};
+use super::{Needs, Row, Shown, Stage, View, picture};
+use crate::display::ViewSettings;
 use crate::panels::Page;
 use crate::probe::Reading;
-use crate::region;
 use crate::session::Session;
-use crate::theme::{self, Palette};
 
 /// The row of albedos.
 pub static ALBEDO: Row = row(
@@ -254,7 +252,6 @@ impl View for QuantityView {
     }
 
     fn draw(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
-        let p = Palette::of(ui);
         let caption = self.quantity.caption();
         let fact = self.taken.as_ref().map(|taken| taken.fact.clone());
         let name = format!("{caption}; {}", fact.as_deref().unwrap_or(self.waiting()));
@@ -265,40 +262,25 @@ impl View for QuantityView {
         }
         let look = look(stage.settings);
         self.paint(ui.ctx(), look);
-        let rect = stage.rect;
-        let painter = ui.painter().with_clip_rect(rect);
         let (Some(painted), Some(fact), Some(taken)) = (&self.painted, fact, &self.taken) else {
-            picture::fill_around(ui, rect, Rect::NOTHING, p.ground);
-            let at = rect.center();
-            let text = self.waiting();
-            painter.text(at, Align2::CENTER_CENTER, text, theme::body(), p.weak);
+            plate::wait(ui, stage.rect, self.waiting());
             return None;
         };
-        let place = region::rect(&placement, taken.region.as_ref());
-        picture::fill_around(ui, rect, place.intersect(rect), p.ground);
-        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        painter.image(painted.texture.id(), place, whole, Color32::WHITE);
-        let facts = [fact, String::new()];
-        stage.caption = plate::show(&painter, rect, place.min, caption, facts, &p);
-        let area = plate::legend_area(rect, place.right());
-        legend::show(&painter, area, &painted.of.scale(&look), &p);
+        let painting = Painting {
+            texture: &painted.texture,
+            region: taken.region.as_ref(),
+            caption,
+            facts: [fact, String::new()],
+            scale: &painted.of.scale(&look),
+        };
+        plate::paint(ui, stage, &placement, painting);
         response.hover_pos()
     }
 
     fn probe(&self, at: Pos2, stage: &Stage<'_>) -> Option<Reading> {
         let Taken { plane, region, .. } = self.taken.as_ref()?;
-        let placement = stage.placement.as_ref()?;
-        let fraction = placement.fraction(at)?;
-        let (x, y) = Placement::pixel(fraction, placement.size);
-        let mut lines = vec![format!("x {x}  y {y}")];
-        let Some(fraction) = region::share(region.as_ref(), fraction) else {
-            return Some(Reading::outside_region(lines.remove(0)));
-        };
-        let (x, y) = Placement::pixel(fraction, plane.size);
-        lines.extend(plane.words(x, y));
-        Some(Reading {
-            lines,
-            bounces: Vec::new(),
+        plate::under(at, stage, region.as_ref(), plane.size, |(x, y)| {
+            plane.words(x, y)
         })
     }
 

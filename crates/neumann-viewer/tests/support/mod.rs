@@ -203,7 +203,6 @@ pub(crate) fn app_with_race() -> App {
     let mut app = app_of(published, options);
     let view = app.viewing.views.get_mut::<RaceView>();
     view.expect("a row of VIEWS").report = Report {
-        version: 1,
         standings: standings.into(),
         reference: Some(reference),
         reference_words: "bdpt, 512 iterations, 25 s, 128 of them from the cache".to_owned(),

@@ -2,6 +2,8 @@
 //!
 //! The renderer is replaced by a small film that never changes, so nothing here depends on time.
 
+mod agree;
+mod bias;
 mod compared;
 mod controls;
 mod edits;
@@ -25,9 +27,11 @@ mod words;
 use egui::{Key, Pos2, Theme};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use neumann_viewer::ViewOptions;
 use neumann_viewer::app::App;
+use neumann_viewer::render_link::RenderLink;
 
-use support::app;
+use support::{app, app_on};
 
 fn harness(size: [f32; 2]) -> Harness<'static, App> {
     harness_of(size, app())
@@ -40,6 +44,21 @@ fn harness_of(size: [f32; 2], app: App) -> Harness<'static, App> {
         .with_theme(Theme::Dark)
         .build_ui_state(|ui, app: &mut App| app.ui(ui), app);
     harness.run_steps(4);
+    harness
+}
+
+/// The window on a renderer with one thread, with a film of a few pixels.
+fn live(size: (usize, usize), integrator: &str) -> Harness<'static, App> {
+    let link = RenderLink::live(Some(1), || {}).expect("a thread");
+    let options = ViewOptions {
+        size: Some(size),
+        integrator: Some(integrator.to_owned()),
+        ..ViewOptions::default()
+    };
+    let mut harness = harness_of([1280.0, 720.0], app_on(link, options));
+    wait(&mut harness, |app| {
+        app.session.picture.stats.n_iterations > 3
+    });
     harness
 }
 

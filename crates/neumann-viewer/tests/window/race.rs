@@ -9,30 +9,13 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use neumann_picture::compare::compare;
 use neumann_picture::race::Measure;
-use neumann_viewer::ViewOptions;
 use neumann_viewer::app::App;
-use neumann_viewer::render_link::RenderLink;
 use neumann_viewer::views::race::RaceView;
 
-use crate::support::{app_on, app_with_race};
-use crate::{click, harness_of, press, wait};
+use crate::support::app_with_race;
+use crate::{click, harness_of, live, press, wait};
 
 const SIZE: [f32; 2] = [1280.0, 720.0];
-
-/// The window on a renderer with one thread, with a film of a few pixels.
-fn live() -> Harness<'static, App> {
-    let link = RenderLink::live(Some(1), || {}).expect("a thread");
-    let options = ViewOptions {
-        size: Some((48, 48)),
-        integrator: Some("pt-nee".to_owned()),
-        ..ViewOptions::default()
-    };
-    let mut harness = harness_of(SIZE, app_on(link, options));
-    wait(&mut harness, |app| {
-        app.session.picture.stats.n_iterations > 3
-    });
-    harness
-}
 
 fn race(app: &App) -> &RaceView {
     app.viewing.views.get().expect("a row of VIEWS")
@@ -52,7 +35,7 @@ fn n_of_film(app: &App) -> u32 {
 
 #[test]
 fn one_key_races_three_methods_by_equal_time_and_their_errors_are_those_of_compare() {
-    let mut harness = live();
+    let mut harness = live((48, 48), "pt-nee");
     press(&mut harness, Key::K);
     wait(&mut harness, |app| has_points(app, 4));
     // Once an iteration is a small part of it, all have had the same time.
@@ -95,7 +78,7 @@ fn one_key_races_three_methods_by_equal_time_and_their_errors_are_those_of_compa
 
 #[test]
 fn the_film_rests_while_methods_race_and_goes_on_where_it_was() {
-    let mut harness = live();
+    let mut harness = live((48, 48), "pt-nee");
     press(&mut harness, Key::K);
     wait(&mut harness, |app| has_points(app, 1));
     let before = n_of_film(harness.state());
@@ -149,7 +132,7 @@ fn the_film_rests_while_methods_race_and_goes_on_where_it_was() {
 
 #[test]
 fn a_change_begins_the_race_anew() {
-    let mut harness = live();
+    let mut harness = live((48, 48), "pt-nee");
     press(&mut harness, Key::K);
     wait(&mut harness, |app| has_points(app, 3));
     let n_points = |app: &App| race(app).report.standings[0].curve.len();
@@ -174,7 +157,7 @@ fn a_change_begins_the_race_anew() {
 
 #[test]
 fn methods_are_changed_added_and_taken_away() {
-    let mut harness = live();
+    let mut harness = live((48, 48), "pt-nee");
     press(&mut harness, Key::K);
     harness.run_steps(2);
     click(&mut harness, "Add method");
@@ -240,7 +223,7 @@ fn folder(name: &str) -> PathBuf {
 #[test]
 fn a_reference_is_kept_for_the_next_race_and_a_broken_one_is_rendered_anew() {
     let folder = folder("race-cache");
-    let mut harness = live();
+    let mut harness = live((48, 48), "pt-nee");
     let view = harness.state_mut().viewing.views.get_mut::<RaceView>();
     view.expect("a row of VIEWS").cache = Some(folder.clone());
     let files = || -> Vec<PathBuf> {
@@ -312,7 +295,7 @@ fn what_is_shown_is_enlarged_and_saved_with_its_curves() {
 
 #[test]
 fn the_windows_own_reference_is_what_methods_are_judged_by() {
-    let mut harness = live();
+    let mut harness = live((48, 48), "pt-nee");
     press(&mut harness, Key::H);
     harness.state_mut().shell.refer_to_held(0);
     harness.run_steps(3);
@@ -331,7 +314,7 @@ fn the_windows_own_reference_is_what_methods_are_judged_by() {
 
 #[test]
 fn a_race_ends_at_once() {
-    let mut harness = live();
+    let mut harness = live((48, 48), "pt-nee");
     press(&mut harness, Key::K);
     wait(&mut harness, |app| has_points(app, 1));
     let image = race(harness.state()).report.standings[0].image.clone();

@@ -11,6 +11,8 @@ use neumann_core::render::StopRule;
 use neumann_viewer::app::App;
 use neumann_viewer::panels::Page;
 use neumann_viewer::setup::FilmSize;
+use neumann_viewer::views::agree::AgreeView;
+use neumann_viewer::views::bias::BiasView;
 
 use crate::support::{app_with_photons, app_with_race, app_with_techniques};
 use crate::{click, harness, harness_of, press};
@@ -144,6 +146,25 @@ fn every_control_of_pages_and_views_says_what_it_does() {
     walk(&mut lobes, "lobes", &mut all);
     crate::lobe::open_list(&mut lobes);
     faults(&lobes, "materials of lobes", &mut all);
+    let mut harness = crate::live((48, 48), "pt-mis");
+    press(&mut harness, Key::Y);
+    crate::wait(&mut harness, |app| {
+        let view = app.viewing.views.get::<AgreeView>();
+        view.is_some_and(|view| view.found.is_some())
+    });
+    harness.run_steps(2);
+    walk(&mut harness, "agreement", &mut all);
+    click(&mut harness, "method 1: pt-mis");
+    walk(&mut harness, "menu of the agreement", &mut all);
+    let mut harness = crate::live((48, 48), "ppm");
+    harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::B);
+    harness.run_steps(2);
+    crate::wait(&mut harness, |app| {
+        let view = app.viewing.views.get::<BiasView>();
+        view.is_some_and(|view| view.found.is_some())
+    });
+    harness.run_steps(2);
+    walk(&mut harness, "noise and bias", &mut all);
     let all: Vec<_> = all.into_iter().collect();
     assert!(all.is_empty(), "{} faults:\n{}", all.len(), all.join("\n"));
 }

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use neumann_picture::agreement::FEWEST;
+
 use crate::options::{SettingsOptions, whole};
 
 /// Arguments of `agree`.
@@ -54,7 +56,7 @@ pub(crate) struct AgreeArguments {
         long,
         value_name = "B",
         default_value_t = 32,
-        value_parser = whole(8..=4096),
+        value_parser = whole(FEWEST as u32..=4096),
         allow_hyphen_values = true
     )]
     pub(crate) batches: u32,

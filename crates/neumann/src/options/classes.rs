@@ -18,7 +18,8 @@ pub(crate) struct ClassOptions {
     /// Rendering takes about twice as long
     #[arg(long = "expression", value_name = "[NAME=]EXPRESSION")]
     pub(crate) expressions: Vec<String>,
-    /// Keep the light of each source apart ('each'), or of groups: 'warm=lamp,candle;sky=environment'
+    /// Keep the light of each source apart ('each'), or of groups:
+    /// 'warm=lamp,candle;sky=environment'
     #[arg(long, value_name = "each|GROUPS")]
     pub(crate) lights: Option<String>,
     /// Multiply the light of a source or group in what is shown: a number, or R,G,B; up to once for

@@ -13,7 +13,7 @@ use crate::display::ViewSettings;
 use crate::formula::Formula;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
-use crate::views::column as beside;
+use crate::views::column;
 use crate::widgets::{fact, fold, hint, paragraph};
 
 /// Height of a row of figures.
@@ -32,7 +32,8 @@ pub(super) fn show(
     session: &Session,
     settings: &ViewSettings,
 ) {
-    beside::show(ui, rect, "hemisphere", 4.0, |ui| {
+    column::show(ui, rect, "hemisphere", |ui| {
+        ui.spacing_mut().item_spacing.y = 4.0;
         contents(ui, view, session, settings);
     });
 }

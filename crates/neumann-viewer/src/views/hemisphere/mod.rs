@@ -18,6 +18,7 @@ use neumann_picture::sheet::{HemisphereSheet, hemisphere_sheet};
 
 use self::disks::Disks;
 use self::worker::{Found, Worker};
+use super::column::Width;
 use super::picture;
 use super::{Needs, Row, Shown, Stage, View};
 use crate::display::ViewSettings;
@@ -47,8 +48,12 @@ pub static ROW: Row = Row {
 };
 
 const ID: &str = "hemisphere";
-/// Width of what stands beside the picture, points: at most, at least, and as a share of the stage.
-const COLUMN: (f32, f32, f32) = (640.0, 230.0, 0.56);
+/// Width of what stands beside the picture.
+const COLUMN: Width = Width {
+    most: 640.0,
+    least: 230.0,
+    share: 0.56,
+};
 
 /// A surface point, and what is known of its surroundings.
 #[derive(Default)]
@@ -168,7 +173,7 @@ impl View for HemisphereView {
     }
 
     fn draw(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
-        let [left, right] = super::column::beside(stage.rect, COLUMN);
+        let [left, right] = super::column::split(stage.rect, COLUMN);
         stage.rect = left;
         let hovered = self.draw_picture(ui, stage);
         column::show(ui, right, self, stage.session, stage.settings);

@@ -14,7 +14,7 @@ use crate::display::ViewSettings;
 use crate::formula::Formula;
 use crate::session::Session;
 use crate::theme::{self, GRID, Palette};
-use crate::views::column as beside;
+use crate::views::column;
 use crate::views::techniques::{description, label};
 use crate::widgets::{fact, focus_ring, fold, hint, paragraph, significant, text_field};
 
@@ -33,8 +33,9 @@ pub(super) fn show(
     session: &Session,
     settings: &mut ViewSettings,
 ) {
-    beside::show(ui, rect, "inspector", 2.0, |ui| {
+    column::show(ui, rect, "inspector", |ui| {
         if let Some(job) = session.link.started() {
+            ui.spacing_mut().item_spacing.y = 2.0;
             figures(ui, view, session, job, settings);
         }
     });

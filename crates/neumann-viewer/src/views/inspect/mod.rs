@@ -149,7 +149,7 @@ impl View for InspectView {
     }
 
     fn draw(&mut self, ui: &mut Ui, stage: &mut Stage<'_>) -> Option<Pos2> {
-        let [left, right] = super::column::beside(stage.rect, super::column::WIDTH);
+        let [left, right] = super::column::split(stage.rect, super::column::FIGURES);
         stage.rect = left;
         let hovered = self.draw_picture(ui, stage);
         column::show(ui, right, self, stage.session, stage.settings);

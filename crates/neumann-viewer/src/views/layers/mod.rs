@@ -203,10 +203,11 @@ impl View for LayersView {
         }
         self.take_step(&mut stage.settings.layers);
         self.make(ui.ctx(), stage.session, stage.settings);
-        let [left, right] = super::column::beside(stage.rect, super::column::WIDTH);
+        let [left, right] = super::column::split(stage.rect, super::column::FIGURES);
         stage.rect = left;
         let hovered = self.draw_picture(ui, stage);
-        super::column::show(ui, right, "layers", 4.0, |ui| {
+        super::column::show(ui, right, "layers", |ui| {
+            ui.spacing_mut().item_spacing.y = 4.0;
             column::contents(ui, self, stage.session, &mut stage.settings.layers);
         });
         self.reveals = false;

@@ -1,12 +1,11 @@
-//! The race while it is held, on a thread of its own: methods and reference take turns, and what
-//! they have made is judged in between. The window reads what was published last.
+//! The race while it is held: methods and reference take turns, and what they have made is judged
+//! in between.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 use neumann_core::film::Film;
-use neumann_core::render::{CancelToken, RenderSettings, WorkerPool};
+use neumann_core::render::{RenderSettings, WorkerPool};
 use neumann_core::scene::Scene;
 use neumann_picture::Image;
 use neumann_picture::race::{Entrant, Point, Racer, next_in_turn};
@@ -14,6 +13,7 @@ use neumann_picture::tone::Display;
 
 use super::judged::Judged;
 use super::reference::Reference;
+use crate::views::held::{Shared, lock};
 
 /// What a race is held between.
 #[derive(Clone)]
@@ -46,8 +46,6 @@ impl PartialEq for Entries {
 /// How the race stands.
 #[derive(Clone, Default)]
 pub struct Report {
-    /// Grows with everything that is published.
-    pub version: u64,
     /// The methods, in the order of their entry.
     pub standings: Vec<Standing>,
     /// What they are judged by, once it is there.
@@ -69,89 +67,17 @@ pub struct Standing {
     pub image: Option<Arc<Image>>,
 }
 
-/// A race under way; dropping it ends it.
-pub(super) struct Race {
-    shared: Arc<Shared>,
-}
-
-struct Shared {
-    cancel: CancelToken,
-    is_paused: AtomicBool,
-    version: AtomicU64,
-    display: Mutex<Display>,
-    report: Mutex<Report>,
-}
-
-/// How often a paused race looks whether it goes on.
-const NAP: Duration = Duration::from_millis(20);
 /// Judging may take this share of the time of rendering.
 const JUDGING: f64 = 0.2;
 
-impl Race {
-    /// Begins a race. `None` if the operating system gives no thread.
-    pub(super) fn begin(
-        entries: Entries,
-        pool: WorkerPool,
-        display: Display,
-        cache: Option<std::path::PathBuf>,
-    ) -> Option<Self> {
-        let shared = Arc::new(Shared {
-            cancel: CancelToken::default(),
-            is_paused: AtomicBool::new(false),
-            version: AtomicU64::new(0),
-            display: Mutex::new(display),
-            report: Mutex::default(),
-        });
-        let for_thread = Arc::clone(&shared);
-        std::thread::Builder::new()
-            .name("neumann-race".to_owned())
-            .spawn(move || hold(&for_thread, &entries, &pool, cache))
-            .ok()?;
-        Some(Self { shared })
-    }
-
-    /// Pauses after the iteration under way, or goes on.
-    pub(super) fn pause(&self, is_paused: bool) {
-        self.shared.is_paused.store(is_paused, Ordering::Relaxed);
-    }
-
-    /// How pictures are shown from now on; FLIP depends on it.
-    pub(super) fn show_as(&self, display: Display) {
-        *lock(&self.shared.display) = display;
-    }
-
-    /// Grows whenever there is something new.
-    pub(super) fn version(&self) -> u64 {
-        self.shared.version.load(Ordering::Acquire)
-    }
-
-    /// How it stands.
-    pub(super) fn report(&self) -> Report {
-        lock(&self.shared.report).clone()
-    }
-}
-
-impl Drop for Race {
-    fn drop(&mut self) {
-        self.shared.cancel.cancel();
-    }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Shared {
-    fn publish(&self, change: impl FnOnce(&mut Report)) {
-        let mut report = lock(&self.report);
-        change(&mut report);
-        report.version += 1;
-        self.version.store(report.version, Ordering::Release);
-    }
-}
-
 /// Renders and judges until the race is ended.
-fn hold(shared: &Shared, entries: &Entries, pool: &WorkerPool, cache: Option<std::path::PathBuf>) {
+pub(super) fn hold(
+    shared: &Shared<Report>,
+    entries: &Entries,
+    pool: &WorkerPool,
+    display: &Mutex<Display>,
+    cache: Option<std::path::PathBuf>,
+) {
     let racer = |entrant: &Entrant| {
         let settings = entrant.settings(&entries.common);
         Racer::new(&entrant.name, &entries.scene, settings, pool)
@@ -168,11 +94,7 @@ fn hold(shared: &Shared, entries: &Entries, pool: &WorkerPool, cache: Option<std
     let standings = standings.collect();
     shared.publish(|report| report.standings = standings);
     let (mut rendering, mut judging) = (0.0, 0.0);
-    while !shared.cancel.is_cancelled() {
-        if shared.is_paused.load(Ordering::Relaxed) {
-            std::thread::sleep(NAP);
-            continue;
-        }
+    while shared.goes_on() {
         let start = Instant::now();
         let Some(next) = next_in_turn(&racers, f64::INFINITY) else {
             return;
@@ -198,7 +120,7 @@ fn hold(shared: &Shared, entries: &Entries, pool: &WorkerPool, cache: Option<std
             continue;
         }
         // All at once, so that all errors are by the same reference.
-        let by = (reference.image(), *lock(&shared.display));
+        let by = (reference.image(), *lock(display));
         let n = reference.n_iterations();
         for (racer, judged) in racers.iter().zip(&mut judged) {
             if racer.n_iterations() > 0 && !shared.cancel.is_cancelled() {
@@ -211,12 +133,12 @@ fn hold(shared: &Shared, entries: &Entries, pool: &WorkerPool, cache: Option<std
     }
 }
 
-fn publish_reference(shared: &Shared, reference: &Reference) {
+fn publish_reference(shared: &Shared<Report>, reference: &Reference) {
     let words = reference.words();
     shared.publish(|report| report.reference_words = words);
 }
 
-fn publish_judged(shared: &Shared, judged: &[Judged], by: Arc<Image>, words: String) {
+fn publish_judged(shared: &Shared<Report>, judged: &[Judged], by: Arc<Image>, words: String) {
     shared.publish(|report| {
         for (standing, judged) in report.standings.iter_mut().zip(judged) {
             standing.curve = Arc::new(judged.curve());

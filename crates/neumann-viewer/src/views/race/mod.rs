@@ -8,21 +8,22 @@
 mod cache;
 mod curves;
 mod enlarged;
-mod entry;
 mod held;
 mod judged;
-mod menu;
 mod reference;
 mod tiles;
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::sync::{Arc, Mutex};
 
 use egui::{Key, Pos2, Rect, Ui, pos2, vec2};
 use neumann_picture::race::{Entrant, Measure, Point, seconds_to};
 use neumann_picture::sheet::{RacePicture, RaceSheet, race_sheet};
+use neumann_picture::tone::Display;
 
+use super::entry::{self, Entry};
+use super::held::{Follower, Held, PERIOD, lock};
+use super::method_menu::{MethodMenu, Rules};
 use super::{Needs, Row, Shown, Stage, View};
 use crate::display::{ViewSettings, ground};
 use crate::keys::{self, Action};
@@ -33,10 +34,9 @@ use crate::widgets::{button, button_width, cut_line, segmented_width, segments};
 
 pub use cache::folder as cache_folder;
 pub use enlarged::Wipe;
-pub use entry::Entry;
 pub use held::{Report, Standing};
 
-use held::{Entries, Race};
+use held::Entries;
 use tiles::Picture;
 
 /// Its row.
@@ -63,10 +63,12 @@ pub static ROW: Row = Row {
 };
 
 const ID: &str = "race";
-/// A race begins when nothing has been changed for so long.
-const REST: Duration = Duration::from_millis(150);
-/// While a race is held, a frame is drawn so often.
-const PERIOD: Duration = Duration::from_millis(300);
+/// What its menus allow.
+const RULES: Rules = Rules {
+    least: 2,
+    may_repeat: false,
+    why_removed: "Takes this method out of the race, which begins anew.",
+};
 
 /// The race view: who takes part, and what of it is looked at.
 #[derive(Default)]
@@ -86,10 +88,10 @@ pub struct RaceView {
     /// How the race stands.
     pub report: Report,
     /// The method whose menu is open, and what stands in its text field.
-    menu: Option<(usize, menu::Field)>,
-    race: Option<(Race, Entries)>,
-    /// What is to be raced next, since when.
-    next: Option<(Entries, Instant)>,
+    menu: MethodMenu,
+    race: Follower<Entries, Report>,
+    /// How pictures are shown from now on; FLIP depends on it.
+    display: Arc<Mutex<Display>>,
     pictures: Vec<Picture>,
     is_paused: bool,
     is_opening: bool,
@@ -112,7 +114,7 @@ impl RaceView {
     /// True while a race is held.
     #[must_use]
     pub fn is_held(&self) -> bool {
-        self.race.is_some()
+        self.race.is_held()
     }
 
     /// What is to be raced, of what the window is to render.
@@ -136,30 +138,22 @@ impl RaceView {
         let Some(wanted) = self.wanted(session) else {
             return;
         };
-        if self.race.as_ref().is_some_and(|(_, held)| *held == wanted) {
-            self.next = None;
-            return;
-        }
-        self.race = None;
-        let now = Instant::now();
-        let is_first = self.report.standings.is_empty();
-        let since = match &self.next {
-            Some((next, since)) if *next == wanted => *since,
-            _ => now,
-        };
-        if !is_first && since.elapsed() < REST {
-            self.next = Some((wanted, since));
-            return;
-        }
         let Some(pool) = session.link.pool() else {
             return;
         };
-        self.next = None;
-        self.pictures.clear();
-        self.report = Report::default();
-        let (display, cache) = (settings.display(), self.cache.clone());
-        let race = Race::begin(wanted.clone(), pool.clone(), display, cache);
-        self.race = race.map(|race| (race, wanted));
+        let is_first = self.report.standings.is_empty();
+        let (cache, display) = (self.cache.clone(), Arc::clone(&self.display));
+        *lock(&display) = settings.display();
+        let has_begun = self.race.follow(&wanted, is_first, |entries| {
+            let pool = pool.clone();
+            Held::begin(ID, move |shared| {
+                held::hold(shared, &entries, &pool, &display, cache);
+            })
+        });
+        if has_begun {
+            self.pictures.clear();
+            self.report = Report::default();
+        }
     }
 }
 
@@ -188,11 +182,11 @@ impl View for RaceView {
         }
         self.follow(session, settings);
         self.is_paused = session.link.is_paused();
-        if let Some((race, _)) = &self.race {
+        if let Some(race) = self.race.held() {
             race.pause(self.is_paused);
-            race.show_as(settings.display());
-            if race.version() != self.report.version {
-                self.report = race.report();
+            *lock(&self.display) = settings.display();
+            if let Some(report) = race.take_news() {
+                self.report = report;
             }
         }
         true
@@ -218,8 +212,9 @@ impl View for RaceView {
             let plot = Rect::from_min_max(pos2(below.left(), row.bottom() + GRID), below.max);
             curves::show(ui, plot, self);
         }
-        menu::show(ui, self, &stage.session.setup);
-        if self.race.is_some() || self.next.is_some() {
+        self.menu
+            .show(ui, &mut self.entries, &RULES, &stage.session.setup);
+        if self.race.is_busy() {
             ui.ctx().request_repaint_after(PERIOD);
         }
         None
@@ -266,7 +261,7 @@ impl View for RaceView {
     }
 
     fn step_back(&mut self) -> bool {
-        self.menu.take().is_some() || self.enlarged.take().is_some()
+        self.menu.close() || self.enlarged.take().is_some()
     }
 }
 

@@ -12,10 +12,11 @@ use neumann_picture::figures::significant;
 use neumann_picture::race::{Point, colours};
 use neumann_picture::tone::Display;
 
-use super::{RaceView, Stage, Standing, menu};
+use super::{RaceView, Stage, Standing};
 use crate::display::ViewSettings;
 use crate::theme::{self, GRID, Palette};
-use crate::widgets::{Icon, cut_line, focus_ring};
+use crate::views::method_menu;
+use crate::widgets::{cut_line, focus_ring};
 
 /// Height of the names above the pictures, and of a line of facts below them.
 const NAME: f32 = 26.0;
@@ -199,33 +200,10 @@ fn name_of(ui: &mut Ui, rect: Rect, view: &mut RaceView, i: usize, stage: &Stage
         return;
     };
     let name = entry.entrant(&stage.session.setup).name;
-    let galley = cut_line(
-        ui.painter(),
-        name.clone(),
-        theme::semibold(),
-        p.text,
-        rect.width() - 4.5 * GRID,
-    );
-    let size = vec2(galley.size().x + 4.5 * GRID, rect.height() - 4.0);
-    let spot = Rect::from_min_size(pos2(rect.left(), rect.top() + 2.0), size);
-    let response = ui.interact(spot, ui.scope_id().with(("racer", i)), Sense::click());
-    if response.hovered() {
-        ui.painter().rect_filled(spot, 4, p.hovered);
-    }
-    marker(ui, pos2(spot.left() + 5.0, middle), i, 4.5);
-    let at = pos2(spot.left() + 1.75 * GRID, middle - galley.size().y / 2.0);
-    ui.painter().galley(at, galley, p.text);
-    Icon::Down.paint(
-        ui.painter(),
-        pos2(spot.right() - 1.25 * GRID, middle),
-        p.weak,
-    );
-    focus_ring(ui, &response, spot, 4);
-    response.widget_info(|| {
-        WidgetInfo::labeled(Role::Button, true, format!("racer {}: {name}", i + 1))
-    });
+    let mark = |ui: &Ui, at| marker(ui, at, i, 4.5);
+    let (response, spot) = method_menu::name_button(ui, rect, i, [&name, "racer"], mark);
     if response.clicked() {
-        menu::toggle(view, i, spot, &stage.session.setup);
+        view.menu.toggle(i, spot, name);
     }
     response.on_hover_text("A click shows other methods to race, and takes this one out.");
 }

@@ -1,4 +1,5 @@
-//! Who takes part in a race: a method with the parameters of its page, or with some of its own.
+//! Who takes part in a comparison: a method with the parameters of its page, or with some of its
+//! own.
 
 use neumann_core::integrator::METHODS;
 use neumann_picture::race::{Entrant, MOST};
@@ -51,6 +52,20 @@ pub(super) fn row_with(method: usize) -> Vec<Entry> {
         .collect()
 }
 
+/// A method that sees the same as a given one and is not biased; any other one where there is none.
+pub(super) fn partner(method: usize) -> usize {
+    let of = METHODS[method];
+    let usual = ["pt-mis", "bdpt"].map(|id| METHODS.iter().position(|m| m.id == id));
+    let mut others = usual.into_iter().flatten().chain(0..METHODS.len());
+    let sees_the_same = |i: &usize| {
+        let other = METHODS[*i];
+        *i != method && other.sight == of.sight && other.bias.is_none()
+    };
+    let same = others.clone().find(sees_the_same);
+    same.or_else(|| others.find(|i| *i != method))
+        .unwrap_or(method)
+}
+
 /// Adds a method that is not there yet.
 pub(super) fn add(entries: &mut Vec<Entry>) {
     let is_there = |i: &usize| {
@@ -72,7 +87,7 @@ pub(super) fn add(entries: &mut Vec<Entry>) {
 mod tests {
     use neumann_core::integrator::METHODS;
 
-    use super::{Entry, add, row_with};
+    use super::{Entry, add, partner, row_with};
 
     #[test]
     fn every_method_has_a_row_of_three_with_it_in_it() {
@@ -87,6 +102,17 @@ mod tests {
             }
             add(&mut row);
             assert_eq!(row.len(), 4, "no more than that");
+        }
+    }
+
+    #[test]
+    fn a_partner_is_another_method_and_sees_the_same_where_there_is_one() {
+        let position = |id: &str| METHODS.iter().position(|m| m.id == id).unwrap();
+        for (id, other) in [("bdpt", "pt-mis"), ("pt-mis", "bdpt"), ("ppm", "pt-mis")] {
+            assert_eq!(partner(position(id)), position(other), "{id}");
+        }
+        for method in 0..METHODS.len() {
+            assert_ne!(partner(method), method);
         }
     }
 }

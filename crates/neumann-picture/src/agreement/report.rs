@@ -1,33 +1,70 @@
-//! What `neumann agree` says: the table, what follows from it, and both as JSON.
+//! An agreement in words: the table, and what follows from it.
 
-use neumann_picture::agreement::{Agreement, Score, Term};
-use neumann_picture::figures::significant;
-use serde_json::{Value, json};
+use super::{Agreement, FEWEST, Score, Side, Term};
+use crate::figures::significant;
 
-use super::Side;
-
-const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+/// The channels of a [`Score`], by number.
+pub const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 const RARE_LIGHT: &str = "Light that a method finds hardly ever makes it too dark for long: with \
     more iterations such a difference goes away, and a bias does not.";
 
 /// Two methods and their scores.
-pub(super) struct Report<'a> {
-    pub(super) scene: &'a str,
-    pub(super) sides: &'a [Side; 2],
-    pub(super) agreement: &'a Agreement,
+#[derive(Clone, Copy, Debug)]
+pub struct Report<'a> {
+    /// The methods.
+    pub sides: &'a [Side; 2],
+    /// How far they are apart.
+    pub agreement: &'a Agreement,
+}
+
+/// What the table says of a term.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Its name.
+    pub term: String,
+    /// Its mean luminance by each method.
+    pub means: [String; 2],
+    /// The first over the second.
+    pub ratio: String,
+    /// The share from which on a difference is seen.
+    pub seen_from: String,
+    /// The score of the whole picture.
+    pub score: String,
+    /// The largest one of all cells.
+    pub largest: String,
+    /// Cells beyond the limit, of those that are judged.
+    pub beyond: String,
+}
+
+impl Row {
+    /// That of a term.
+    #[must_use]
+    pub fn of(term: &Term) -> Self {
+        Self {
+            term: term.view.to_string(),
+            means: term.means.map(|mean| significant(mean, 5)),
+            ratio: ratio(term).map_or_else(|| "–".to_owned(), |ratio| format!("{ratio:.5}")),
+            seen_from: format!("{} %", significant(100.0 * term.seen_from, 2)),
+            score: score_text(term.whole()),
+            largest: score_text(term.largest().map(|(_, score)| score)),
+            beyond: format!("{} of {}", term.n_beyond, term.n_judged()),
+        }
+    }
 }
 
 impl Report<'_> {
     /// What the methods are called; one that stands against itself is told from itself.
-    pub(super) fn names(&self) -> [String; 2] {
+    #[must_use]
+    pub fn names(&self) -> [String; 2] {
         let [a, b] = self.sides;
         let again = if a.name == b.name { " again" } else { "" };
         [a.name.clone(), format!("{}{again}", b.name)]
     }
 
     /// How it was made.
-    pub(super) fn heading(&self) -> String {
+    #[must_use]
+    pub fn heading(&self) -> String {
         let (width, height) = self.agreement.cells.size();
         let names = self.names();
         let batches = |i: usize| {
@@ -44,7 +81,8 @@ impl Report<'_> {
     }
 
     /// The table, with what it means.
-    pub(super) fn text(&self) -> String {
+    #[must_use]
+    pub fn text(&self) -> String {
         let names = self.names();
         let widths = names.each_ref().map(|name| name.chars().count().max(10));
         let mut lines = vec![self.heading(), String::new()];
@@ -55,18 +93,17 @@ impl Report<'_> {
             pad(&names[1], widths[1])
         ));
         for term in &self.agreement.terms {
-            let mean = |i: usize| pad(&significant(term.means[i], 5), widths[i]);
+            let row = Row::of(term);
             lines.push(format!(
-                "{:<4}  {}  {}  {:<8}  {:<9}  {:<7}  {:<7}  {} of {}",
-                term.view.to_string(),
-                mean(0),
-                mean(1),
-                ratio(term).map_or_else(|| "–".to_owned(), |ratio| format!("{ratio:.5}")),
-                format!("{} %", significant(100.0 * term.seen_from, 2)),
-                deviations(term.whole()),
-                deviations(term.largest().map(|(_, score)| score)),
-                term.n_beyond,
-                term.n_judged(),
+                "{:<4}  {}  {}  {:<8}  {:<9}  {:<7}  {:<7}  {}",
+                row.term,
+                pad(&row.means[0], widths[0]),
+                pad(&row.means[1], widths[1]),
+                row.ratio,
+                row.seen_from,
+                row.score,
+                row.largest,
+                row.beyond,
             ));
         }
         lines.push(String::new());
@@ -89,7 +126,8 @@ impl Report<'_> {
     }
 
     /// What follows, in sentences.
-    pub(super) fn verdict(&self) -> Vec<String> {
+    #[must_use]
+    pub fn verdict(&self) -> Vec<String> {
         let agreement = self.agreement;
         let mut lines = vec![self.conclusion()];
         for term in agreement.terms.iter().filter(|term| term.n_beyond > 0) {
@@ -113,6 +151,9 @@ impl Report<'_> {
 
     fn conclusion(&self) -> String {
         let agreement = self.agreement;
+        if !agreement.is_judged() {
+            return format!("No verdict yet: it takes {FEWEST} batches by each method.");
+        }
         let n = agreement.n_scores;
         let terms = agreement.terms.iter().filter(|term| term.n_beyond > 0);
         let terms: Vec<String> = terms.map(|term| term.view.to_string()).collect();
@@ -163,7 +204,7 @@ impl Report<'_> {
             "{}: {a} is {way} than {b}, most surely {place}, in {} ({}).",
             term.view,
             CHANNELS[score.channel],
-            deviations(Some(score))
+            score_text(Some(score))
         );
         for (name, n) in [&a, &b].into_iter().zip(term.n_beyond_black) {
             if n > 0 {
@@ -175,60 +216,18 @@ impl Report<'_> {
         }
         line
     }
-
-    pub(super) fn json(&self) -> Value {
-        let agreement = self.agreement;
-        let methods = self.sides.iter().map(|side| {
-            json!({
-                "method": side.name,
-                "batches": side.batches.n(),
-                "iterations": side.n_iterations,
-                "seconds": side.seconds,
-                "bias": side.settings.method.bias,
-                "blind_spots": side.settings.method.blind_spots,
-            })
-        });
-        let terms = agreement.terms.iter().map(|term| {
-            json!({
-                "term": term.view.to_string(),
-                "mean": term.means,
-                "ratio": ratio(term),
-                "seen_from": term.seen_from,
-                "score": term.whole().map(|score| score.deviations),
-                "largest": term.largest().map(|(cell, score)| {
-                    let cell = agreement.cells.cell(cell);
-                    json!({
-                        "score": score.deviations,
-                        "channel": CHANNELS[score.channel],
-                        "columns": cell.x,
-                        "rows": cell.y,
-                    })
-                }),
-                "judged": term.n_judged(),
-                "rare": term.n_rare,
-                "beyond": term.n_beyond,
-                "black": term.n_beyond_black,
-            })
-        });
-        json!({
-            "scene": self.scene,
-            "methods": methods.collect::<Value>(),
-            "agree": agreement.holds(),
-            "level": agreement.level,
-            "scores": agreement.n_scores,
-            "limit": agreement.limit,
-            "terms": terms.collect::<Value>(),
-        })
-    }
 }
 
-/// `None` where one of the two is black.
-fn ratio(term: &Term) -> Option<f64> {
+/// Mean by the first method over that by the second; `None` where one of the two is black.
+#[must_use]
+pub fn ratio(term: &Term) -> Option<f64> {
     let [a, b] = term.means;
     (a > 0.0 && b > 0.0).then_some(a / b)
 }
 
-fn deviations(score: Option<Score>) -> String {
+/// A score as a number; a dash where there is none.
+#[must_use]
+pub fn score_text(score: Option<Score>) -> String {
     match score {
         None => "–".to_owned(),
         Some(score) => {
@@ -238,6 +237,8 @@ fn deviations(score: Option<Score>) -> String {
     }
 }
 
-fn count(n: usize, what: &str) -> String {
+/// So many of something.
+#[must_use]
+pub fn count(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

@@ -14,7 +14,14 @@ pub(crate) fn run(arguments: &MergeArguments) -> Outcome {
     outputs::refuse_inputs(&arguments.outputs, &arguments.inputs)?;
     let mut parts = Vec::new();
     for path in &arguments.inputs {
-        parts.push((path, read_exr(path).or_bad_input()?));
+        let part = read_exr(path).or_bad_input()?;
+        if part.has_classes {
+            console::note(&format!(
+                "warning: {}: its layers of expressions and lights are left out",
+                path.display()
+            ));
+        }
+        parts.push((path, part));
     }
     check(&parts)?;
     // In the order of their iterations, so that the order of the arguments does not matter.

@@ -34,6 +34,12 @@ const EXPRESSIONS: &str = "expressions";
 const LIGHTS: &str = "lights";
 const ITERATIONS: &str = "class_iterations";
 
+/// Whether a file with such a header has layers of classes.
+pub(super) fn has_classes(attributes: &LayerAttributes) -> bool {
+    let name = text_of(&format!("{PREFIX}{ITERATIONS}"));
+    attributes.other.contains_key(&name)
+}
+
 impl Beside<'_> {
     pub(super) fn put(&self, planes: &mut Planes, attributes: &mut LayerAttributes) {
         if let Some(features) = self.features {

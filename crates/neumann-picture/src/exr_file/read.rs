@@ -19,7 +19,7 @@ use neumann_core::memory::Share;
 use neumann_core::radiometry::Rgb;
 
 use super::planes::{floats, interleave};
-use super::{Metadata, checksum, spread};
+use super::{Metadata, beside, checksum, spread};
 use crate::image_file::open_regular;
 use crate::{Image, PictureError};
 
@@ -32,6 +32,8 @@ pub struct Checkpoint {
     pub features: Option<Features>,
     /// How the film was made.
     pub metadata: Metadata,
+    /// Whether the file has layers of expressions and lights beside it, which are not read.
+    pub has_classes: bool,
 }
 
 /// True of an OpenEXR file that is twice as wide as high and that neumann did not write: it is more
@@ -112,6 +114,7 @@ pub fn read_exr(path: &Path) -> Result<Checkpoint, PictureError> {
         .take_rgb("variance")
         .ok_or_else(|| missing("variance"))?;
     let features = raw.take_features();
+    let has_classes = beside::has_classes(&raw.attributes);
     let mut film = Film::from_parts(
         (raw.width, raw.height),
         metadata.iterations.count(),
@@ -126,6 +129,7 @@ pub fn read_exr(path: &Path) -> Result<Checkpoint, PictureError> {
         film,
         features,
         metadata,
+        has_classes,
     })
 }
 

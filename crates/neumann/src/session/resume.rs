@@ -21,6 +21,13 @@ impl Session {
             ));
         }
         let checkpoint = read_exr(path).or_bad_input()?;
+        if checkpoint.has_classes {
+            return Err(bad_input(format!(
+                "{}: has layers of expressions and lights, which cannot be gone on with and would \
+                 be lost; render to another file",
+                path.display()
+            )));
+        }
         let ours = Metadata::of(&self.scene, &self.settings);
         let mut differences = ours.differences(&checkpoint.metadata);
         let mut add = |field: &str, ours: String, theirs: String| {

@@ -115,6 +115,9 @@ fn what_cannot_be_kept_is_refused() {
     folder.succeed("render cornell -o c.exr --size 8x8 --iterations 1");
     let line = "render cornell -o c.exr --size 8x8 --iterations 2 --resume --expression L.E";
     assert!(folder.fail(line, 2).contains("cannot be gone on with"));
+    folder.succeed("render cornell -o e.exr --size 8x8 --iterations 1 --expression L.E");
+    let line = "render cornell -o e.exr --size 8x8 --iterations 2 --resume";
+    assert!(folder.fail(line, 2).contains("would be lost"));
     assert!(folder.succeed("list expressions").contains("caustics"));
     assert!(
         folder

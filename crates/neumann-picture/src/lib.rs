@@ -9,7 +9,7 @@
 //! counts how bright they are; [`inspection`] says by which paths light came to one,
 //! [`hemisphere`] from where; [`lobe`] plots BSDFs; [`energy`] says what the terms are worth;
 //! [`axis`] is one of a chart; [`sheet`] lays out the series; [`figures`] writes numbers; [`state`]
-//! keeps all that a person has chosen.
+//! keeps all that a person has chosen; [`tev`] shows a film in the viewer of that name.
 //!
 //! Knows no window and no terminal.
 
@@ -33,6 +33,7 @@ pub mod quantity;
 pub mod race;
 pub mod sheet;
 pub mod state;
+pub mod tev;
 pub mod tone;
 
 pub use error::PictureError;

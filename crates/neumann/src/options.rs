@@ -28,7 +28,7 @@ use crate::session::Shard;
 use crate::suggest::check_scene;
 
 pub(crate) use parse::{
-    bytes, pixel, positive, probability, region, size, technique, viewing_angle, whole,
+    address, bytes, pixel, positive, probability, region, size, technique, viewing_angle, whole,
 };
 
 /// Highest power of T where nothing else is asked for.

@@ -12,18 +12,19 @@ use neumann_picture::exr_file::{Metadata, Precision, write_techniques_exr};
 use neumann_picture::photons::{PhotonLook, PowerScale};
 use neumann_picture::png_file::write_png;
 use neumann_picture::sheet::{SheetInfo, photon_sheet, technique_sheet};
+use neumann_picture::tev::{Tev, image_name};
 use neumann_picture::tone::Display;
 use serde_json::{Value, json};
 
 use crate::cli::RenderArguments;
 use crate::console;
-use crate::failure::{Outcome, bad_input};
+use crate::failure::{OrBadInput, Outcome, bad_input};
 use crate::interrupt;
 use crate::options::Exposure;
 use crate::outputs::{self, Kind, Picture};
 use crate::progress::duration;
 use crate::series::make_folder;
-use crate::session::{Goal, Rendered, Saver, Session, peak_bytes};
+use crate::session::{Goal, Live, Rendered, Saver, Session, peak_bytes};
 
 pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
     let goal = goal(arguments)?;
@@ -39,6 +40,9 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         outputs.extend([TECHNIQUES_EXR, TECHNIQUES_PNG].map(|name| folder.join(name)));
         outputs::check(&outputs)?;
     }
+    // Who is to look on is sought before any work is done.
+    let tev = arguments.tev.as_deref().map(Tev::connect);
+    let tev = tev.transpose().or_bad_input()?;
     let (scene, mut settings) = arguments.settings.resolve(&arguments.scene)?;
     if let Some(region) = arguments.region {
         crop(&mut settings, region)?;
@@ -82,8 +86,15 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         None => Ok(()),
     };
     let saver = checkpoint.map(|_| Saver::new(arguments.goal.checkpoint, &write));
-    let rendered = session.render(before, saver, &interrupt::token());
+    let mut live = tev.map(|tev| {
+        let name = image_name(session.scene.name(), session.settings.method.id);
+        Live::new(tev, name)
+    });
+    let rendered = session.render(before, saver, live.as_mut(), &interrupt::token());
     refuse_empty(&rendered)?;
+    if let Some(live) = &mut live {
+        live.show(&rendered.film);
+    }
     let display = arguments.display.display(|| rendered.film.total());
     let picture = picture(
         arguments,
@@ -132,7 +143,8 @@ fn goal(arguments: &RenderArguments) -> Outcome<Goal> {
     let mut options = arguments.goal.clone();
     let is_open =
         options.iterations.is_none() && options.time.is_none() && options.until_error.is_none();
-    if arguments.outputs.is_empty() && is_open {
+    let is_watched = arguments.tev.is_some();
+    if arguments.outputs.is_empty() && !is_watched && is_open {
         options.iterations = Some(1);
     }
     Goal::of(&options)

@@ -68,7 +68,7 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
         picture.write(&checkpoint)
     };
     let saver = Saver::new(arguments.goal.checkpoint, &write_checkpoint);
-    let rendered = session.render(before, Some(saver), &interrupt::token());
+    let rendered = session.render(before, Some(saver), None, &interrupt::token());
     refuse_empty(&rendered)?;
     let display = arguments.display.display(|| rendered.film.total());
     let outputs = write(&arguments.folder, &rendered, display)?;

@@ -32,6 +32,8 @@ mod signals;
 #[cfg(feature = "window")]
 #[path = "command/states.rs"]
 mod states;
+#[path = "command/tev.rs"]
+mod tev;
 
 use std::path::PathBuf;
 use std::process::{Command, Output};

@@ -331,6 +331,7 @@ fn a_series_has_every_term_and_a_sheet() {
         "T1.exr",
         "T1.png",
         "energy.csv",
+        "energy.svg",
         "sheet.png",
         "tail.exr",
         "tail.png",

@@ -5,11 +5,15 @@
 //! radius of T, as far as this picture sees it. The ratio is fitted to the logarithms of the later
 //! terms by weighted least squares.
 
+mod chart;
+
 use std::fmt::Write;
 
 use neumann_core::film::View;
 
 use crate::figures::significant;
+
+pub use chart::{Chart, DEVIATIONS, Ink, Line};
 
 /// The energy of the terms.
 #[derive(Clone, Debug, PartialEq)]

@@ -35,6 +35,24 @@ pub enum PictureError {
         /// What is wrong with it, and what to do.
         what: String,
     },
+    /// No tev listens.
+    #[error(
+        "{address}: no tev can be reached: {cause}; start tev, or give the address where it listens"
+    )]
+    NoTev {
+        /// Where it was sought.
+        address: String,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// A tev has gone.
+    #[error("{address}: tev takes no more pictures: {cause}")]
+    TevGone {
+        /// Where it was.
+        address: String,
+        /// What the system said.
+        cause: io::Error,
+    },
     /// Two pictures do not fit each other.
     #[error("{0}")]
     Mismatch(String),

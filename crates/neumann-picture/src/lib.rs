@@ -9,8 +9,9 @@
 //! [`photons`] colours photons, [`quantity`] what a pixel holds beside radiance; [`histogram`]
 //! counts how bright they are; [`inspection`] says by which paths light came to one,
 //! [`hemisphere`] from where; [`lobe`] plots BSDFs; [`energy`] says what the terms are worth;
-//! [`axis`] is one of a chart; [`sheet`] lays out the series; [`figures`] writes numbers; [`state`]
-//! keeps all that a person has chosen.
+//! [`axis`] is one of a chart; [`sheet`] lays out the series, and [`figure`] draws charts for
+//! print; [`figures`] writes numbers; [`state`] keeps all that a person has chosen; [`tev`] shows a
+//! film in the viewer of that name.
 //!
 //! Knows no window and no terminal.
 
@@ -21,6 +22,7 @@ pub mod energy;
 mod error;
 pub mod exr_file;
 pub mod false_colour;
+pub mod figure;
 pub mod figures;
 pub mod files;
 pub mod hemisphere;
@@ -35,6 +37,7 @@ pub mod race;
 pub mod radius_bias;
 pub mod sheet;
 pub mod state;
+pub mod tev;
 pub mod tone;
 
 pub use error::PictureError;

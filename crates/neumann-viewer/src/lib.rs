@@ -41,6 +41,7 @@ pub mod region;
 pub mod render_link;
 pub mod save;
 pub mod scene_source;
+pub mod sending;
 pub mod session;
 pub mod setup;
 pub mod shell;

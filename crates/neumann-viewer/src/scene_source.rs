@@ -15,6 +15,7 @@ use neumann_picture::exr_file::is_panorama;
 use crate::compared::Reference;
 use crate::compared::measured::{Measurement, Outcome};
 use crate::render_link::yield_to_renderer;
+use crate::sending::{self, Errand};
 use crate::writing::Writing;
 
 /// Something that was asked for has come, or has failed.
@@ -37,6 +38,8 @@ pub enum Arrival {
     Dropped(Wanted, PathBuf),
     /// A file was written, or could not be.
     Saved(Result<PathBuf, String>),
+    /// What came of sending to tev.
+    Sent(sending::Outcome),
     /// Nothing here shows the folder of this file.
     NoOpener(PathBuf),
 }
@@ -266,6 +269,14 @@ impl Background {
             let saved = write();
             drop(writing);
             Some(Arrival::Saved(saved))
+        });
+    }
+
+    /// Seeks tev, or sends it a picture.
+    pub fn send(&mut self, errand: Errand) {
+        self.run("neumann-tev", move || {
+            yield_to_renderer();
+            Some(Arrival::Sent(errand.run()))
         });
     }
 

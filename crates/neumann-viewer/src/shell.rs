@@ -17,6 +17,7 @@ use crate::panels::Page;
 use crate::pick::Picked;
 use crate::recent::Recent;
 use crate::scene_source::Background;
+use crate::sending::Sending;
 use crate::text_scale::TextScale;
 
 /// What stands around the picture.
@@ -55,6 +56,8 @@ pub struct Shell {
     pub bookmarks: Bookmarks,
     /// What the window has to say.
     pub notices: Notices,
+    /// The film on its way to tev.
+    pub sending: Sending,
     /// What runs in the background.
     pub background: Background,
     /// The panel is given the keyboard in this frame.
@@ -122,6 +125,7 @@ impl Shell {
             recent: Recent::default(),
             bookmarks: Bookmarks::default(),
             notices: Notices::default(),
+            sending: Sending::default(),
             background: Background::new(wake),
             gives_panel_the_keyboard: false,
             requests: Vec::new(),

@@ -16,10 +16,11 @@ use clap_complete::Shell;
 use neumann_core::film::View;
 use neumann_picture::photons::PhotonColours;
 use neumann_picture::quantity::Quantity;
+use neumann_picture::tev::DEFAULT_ADDRESS;
 
 use crate::options::{
-    ClassOptions, DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, photon_colours,
-    positive, region, size, whole,
+    ClassOptions, DisplayOptions, GoalOptions, LoadArguments, SettingsOptions, address,
+    photon_colours, positive, region, size, whole,
 };
 
 pub(crate) use agree::AgreeArguments;
@@ -240,6 +241,7 @@ impl Looked {
     neumann render lamps -o l.exr --integrator bdpt --techniques pyramid\n  \
     neumann render caustic -o c.exr --integrator bdpt --expression caustics --lights each\n  \
     neumann render cornell-glass --integrator pm --photons photons.png\n  \
+    neumann render cornell -o c.exr --time 60 --tev\n  \
     neumann render room.gltf -o part.exr --size 1280x720 --region 400,200,320,200\n  \
     neumann render room.gltf -o part2.exr --first-iteration 1024 --iterations 1024 --threads 8\n  \
     neumann render cornell -o shard3.exr --iterations 4096 --shard 3/8\n  \
@@ -254,7 +256,7 @@ pub(crate) struct RenderArguments {
         short = 'o',
         long = "output",
         value_name = "FILE",
-        required_unless_present = "photons"
+        required_unless_present_any = ["photons", "tev"]
     )]
     pub(crate) outputs: Vec<PathBuf>,
     #[command(flatten)]
@@ -302,6 +304,16 @@ pub(crate) struct RenderArguments {
         value_parser = photon_colours()
     )]
     pub(crate) photons_by: PhotonColours,
+    /// Show the picture and its layers in tev, which listens there, while they are rendered and at
+    /// the end
+    #[arg(
+        long,
+        value_name = "HOST:PORT",
+        num_args = 0..=1,
+        default_missing_value = DEFAULT_ADDRESS,
+        value_parser = address
+    )]
+    pub(crate) tev: Option<String>,
     /// End with one JSON object on stdout
     #[arg(long)]
     pub(crate) json: bool,

@@ -30,7 +30,7 @@ use crate::suggest::check_scene;
 
 pub(crate) use classes::ClassOptions;
 pub(crate) use parse::{
-    bytes, pixel, positive, probability, region, size, technique, viewing_angle, whole,
+    address, bytes, pixel, positive, probability, region, size, technique, viewing_angle, whole,
 };
 
 /// Highest power of T where nothing else is asked for.

@@ -61,6 +61,18 @@ pub(crate) fn check_map(map: Option<&PathBuf>) -> Outcome {
     check(std::slice::from_ref(map))
 }
 
+/// Finds out, before any work is done, whether a vector figure could be written.
+pub(crate) fn check_figure(path: &Path) -> Outcome {
+    let extension = path.extension();
+    if extension.is_none_or(|ending| !ending.eq_ignore_ascii_case("svg")) {
+        return Err(bad_input(format!(
+            "{}: curves are drawn as .svg; name such a file",
+            path.display()
+        )));
+    }
+    check_destination(path).or_bad_input()
+}
+
 /// Refuses to write over a file that is read.
 pub(crate) fn refuse_inputs<'a>(
     outputs: &[PathBuf],

@@ -11,6 +11,7 @@ use neumann_core::render::{CancelToken, Cancelled, RenderSettings, WorkerPool};
 use neumann_core::scene::Scene;
 use neumann_picture::Image;
 use neumann_picture::exr_file::{IterationRanges, Metadata, Precision};
+use neumann_picture::figure::race_figure;
 use neumann_picture::files::write_atomically;
 use neumann_picture::image_file::read_layer;
 use neumann_picture::png_file::write_png;
@@ -47,9 +48,13 @@ pub(crate) fn run(arguments: &RaceArguments) -> Outcome {
         )));
     }
     outputs::check(std::slice::from_ref(sheet))?;
+    if let Some(figure) = &arguments.svg {
+        outputs::check_figure(figure)?;
+    }
     let (scene, common) = settings.resolve(&arguments.scene)?;
     let inputs = settings.inputs(&arguments.scene, &scene);
     outputs::refuse_inputs(std::slice::from_ref(sheet), &inputs)?;
+    outputs::refuse_inputs(arguments.svg.as_slice(), &inputs)?;
     let entrants = entrants(&arguments.methods)?;
     let pool = settings.pool()?;
     let cancel = interrupt::token();
@@ -193,6 +198,17 @@ fn write_results(
         let text = csv(racers);
         write_atomically(file, |out| Ok(out.write_all(text.as_bytes())?))?;
     }
+    let subtitle = format!(
+        "{:.1} s of processor time each · {}×{}",
+        arguments.time, judge.reference.width, judge.reference.height
+    );
+    let heading = [scene.name(), &subtitle];
+    if let Some(file) = &arguments.svg {
+        let racers = racers.iter().map(|r| (r.name.as_str(), &*r.curve));
+        let racers: Vec<_> = racers.collect();
+        let text = race_figure(heading, &racers);
+        write_atomically(file, |out| Ok(out.write_all(text.as_bytes())?))?;
+    }
     let images: Vec<Image> = racers.iter().map(Racer::image).collect();
     let pictures: Vec<RacePicture<'_>> = racers
         .iter()
@@ -203,12 +219,8 @@ fn write_results(
             curve: &racer.curve,
         })
         .collect();
-    let subtitle = format!(
-        "{:.1} s of processor time each · {}×{}",
-        arguments.time, judge.reference.width, judge.reference.height
-    );
     let sheet = RaceSheet {
-        heading: [scene.name(), &subtitle],
+        heading,
         pictures: &pictures,
         reference: (judge.reference, ""),
         display: judge.display,

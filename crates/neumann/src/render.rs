@@ -13,18 +13,19 @@ use neumann_picture::exr_file::{Beside, Metadata, Precision, write_techniques_ex
 use neumann_picture::photons::{PhotonLook, PowerScale};
 use neumann_picture::png_file::write_png;
 use neumann_picture::sheet::{SheetInfo, photon_sheet, technique_sheet};
+use neumann_picture::tev::{Tev, image_name};
 use neumann_picture::tone::Display;
 use serde_json::{Value, json};
 
 use crate::cli::RenderArguments;
 use crate::console;
-use crate::failure::{Outcome, bad_input};
+use crate::failure::{OrBadInput, Outcome, bad_input};
 use crate::interrupt;
 use crate::options::Exposure;
 use crate::outputs::{self, Kind, Picture};
 use crate::progress::duration;
 use crate::series::make_folder;
-use crate::session::{Goal, Rendered, Saver, Session, peak_bytes};
+use crate::session::{Goal, Live, Rendered, Saver, Session, peak_bytes};
 
 pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
     let goal = goal(arguments)?;
@@ -40,6 +41,9 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         outputs.extend([TECHNIQUES_EXR, TECHNIQUES_PNG].map(|name| folder.join(name)));
         outputs::check(&outputs)?;
     }
+    // Who is to look on is sought before any work is done.
+    let tev = arguments.tev.as_deref().map(Tev::connect);
+    let tev = tev.transpose().or_bad_input()?;
     let (scene, mut settings) = arguments.settings.resolve(&arguments.scene)?;
     if let Some(region) = arguments.region {
         crop(&mut settings, region)?;
@@ -90,8 +94,15 @@ pub(crate) fn run(arguments: &RenderArguments) -> Outcome {
         None => Ok(()),
     };
     let saver = checkpoint.map(|_| Saver::new(arguments.goal.checkpoint, &write));
-    let rendered = session.render(before, saver, &interrupt::token());
+    let mut live = tev.map(|tev| {
+        let name = image_name(session.scene.name(), session.settings.method.id);
+        Live::new(tev, name)
+    });
+    let rendered = session.render(before, saver, live.as_mut(), &interrupt::token());
     refuse_empty(&rendered)?;
+    if let Some(live) = &mut live {
+        live.show(&rendered.film);
+    }
     let beside = Beside {
         features: Some(&rendered.features),
         classes: rendered.classes.as_ref(),
@@ -141,7 +152,8 @@ fn goal(arguments: &RenderArguments) -> Outcome<Goal> {
     let mut options = arguments.goal.clone();
     let is_open =
         options.iterations.is_none() && options.time.is_none() && options.until_error.is_none();
-    if arguments.outputs.is_empty() && is_open {
+    let is_watched = arguments.tev.is_some();
+    if arguments.outputs.is_empty() && !is_watched && is_open {
         options.iterations = Some(1);
     }
     Goal::of(&options)

@@ -10,6 +10,7 @@ use neumann_core::radiometry::Rgb;
 use neumann_picture::Image;
 use neumann_picture::energy::Energy;
 use neumann_picture::exr_file::{Beside, Metadata, Precision, write_image_exr};
+use neumann_picture::figure::energy_figure;
 use neumann_picture::files::{check_destination, write_atomically};
 use neumann_picture::png_file::{Pixels8, write_png};
 use neumann_picture::sheet::{SheetInfo, sheet};
@@ -33,11 +34,13 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
         .map(|name| arguments.folder.join(name))
         .collect::<Vec<_>>();
     outputs::check(&outputs)?;
-    let table = arguments.folder.join(ENERGY);
-    check_destination(&table).or_bad_input()?;
+    let energy_files = ENERGY.map(|name| arguments.folder.join(name));
+    for file in &energy_files {
+        check_destination(file).or_bad_input()?;
+    }
     let inputs = arguments.settings.inputs(&arguments.scene, &scene);
     outputs::refuse_inputs(&outputs, &inputs)?;
-    outputs::refuse_inputs(&[table], &inputs)?;
+    outputs::refuse_inputs(&energy_files, &inputs)?;
     outputs::check_space(&outputs[..1], &settings)?;
     let state = arguments
         .settings
@@ -75,7 +78,7 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
         picture.write(&checkpoint)
     };
     let saver = Saver::new(arguments.goal.checkpoint, &write_checkpoint);
-    let rendered = session.render(before, Some(saver), &interrupt::token());
+    let rendered = session.render(before, Some(saver), None, &interrupt::token());
     refuse_empty(&rendered)?;
     let display = arguments.display.display(|| rendered.film.total());
     let mut outputs = write(&arguments.folder, &rendered, &mix, display)?;
@@ -111,8 +114,8 @@ pub(crate) fn run(arguments: &SeriesArguments) -> Outcome {
 
 /// The file that holds all layers.
 const CHECKPOINT: &str = "L.exr";
-/// What the terms are worth.
-const ENERGY: &str = "energy.csv";
+/// What the terms are worth: a table and a chart.
+const ENERGY: [&str; 2] = ["energy.csv", "energy.svg"];
 /// The file that shows all of them.
 const SHEET: &str = "sheet.png";
 
@@ -171,10 +174,15 @@ pub(crate) fn write(
     let info = SheetInfo::of(film, &rendered.metadata, display);
     write_png(&path, &sheet(film, &info))?;
     outputs.push(path);
-    let path = folder.join(ENERGY);
-    let csv = energy(rendered).csv();
-    write_atomically(&path, |writer| Ok(writer.write_all(csv.as_bytes())?))?;
-    outputs.push(path);
+    let energy = energy(rendered);
+    let metadata = &rendered.metadata;
+    let heading = [&*metadata.scene, &metadata.summary()];
+    let texts = [energy.csv(), energy_figure(heading, &energy)];
+    for (name, text) in ENERGY.into_iter().zip(texts) {
+        let path = folder.join(name);
+        write_atomically(&path, |writer| Ok(writer.write_all(text.as_bytes())?))?;
+        outputs.push(path);
+    }
     Ok(outputs)
 }
 

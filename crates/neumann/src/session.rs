@@ -1,5 +1,6 @@
 //! Renders until a goal is met, or Ctrl-C.
 
+mod live;
 mod memory;
 mod resume;
 mod saver;
@@ -19,6 +20,7 @@ use crate::failure::{Outcome, bad_input};
 use crate::options::GoalOptions;
 use crate::progress::{Progress, Standing};
 
+pub(crate) use live::Live;
 #[cfg(feature = "window")]
 pub(crate) use memory::check_film;
 pub(crate) use memory::peak_bytes;
@@ -172,11 +174,12 @@ impl Session {
     }
 
     /// Renders from the checkpoint, if there is one, until the goal is met or the token cancelled;
-    /// saves meanwhile, if it is said how.
+    /// saves and shows it meanwhile, if it is said how.
     pub(crate) fn render(
         &self,
         before: Option<Checkpoint>,
         mut saver: Option<Saver<'_>>,
+        mut live: Option<&mut Live>,
         cancel: &CancelToken,
     ) -> Rendered {
         let s = &self.settings;
@@ -231,6 +234,11 @@ impl Session {
                 metadata.n_refused = film.n_refused();
                 let features = features.get_or_insert_with(trace_features);
                 saver.save(&film, features, &metadata);
+            }
+            if let Some(live) = &mut live
+                && film.n_iterations() > 0
+            {
+                live.show_if_due(&film);
             }
             let start = Instant::now();
             let Ok(iteration) = renderer.iterate_after(&film, cancel) else {

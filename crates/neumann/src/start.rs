@@ -50,7 +50,7 @@ fn render(scene: &str) -> Outcome {
         draws_photons: false,
     };
     session.check()?;
-    let rendered = session.render(None, None, &interrupt::token());
+    let rendered = session.render(None, None, None, &interrupt::token());
     refuse_empty(&rendered)?;
     let display = DisplayOptions {
         exposure: (!is_builtin).then_some(Exposure::Auto),

@@ -36,6 +36,8 @@ mod signals;
 #[cfg(feature = "window")]
 #[path = "command/states.rs"]
 mod states;
+#[path = "command/tev.rs"]
+mod tev;
 
 use std::path::PathBuf;
 use std::process::{Command, Output};
@@ -333,6 +335,7 @@ fn a_series_has_every_term_and_a_sheet() {
         "T1.exr",
         "T1.png",
         "energy.csv",
+        "energy.svg",
         "sheet.png",
         "tail.exr",
         "tail.png",

@@ -30,11 +30,13 @@ mod write;
 pub use beside::Beside;
 pub use difference::Difference;
 pub use metadata::{Metadata, appearance_text, camera_text, environment_text};
+pub(crate) use planes::channel_name;
 pub use ranges::IterationRanges;
 pub use read::{Checkpoint, is_panorama, read_exr, read_layer, read_layers, read_metadata};
 pub use write::{
     Clamped, Precision, write_exr, write_exr_as, write_image_exr, write_techniques_exr,
 };
+pub(crate) use write::{layer_names, layer_of};
 
 #[cfg(test)]
 mod tests;

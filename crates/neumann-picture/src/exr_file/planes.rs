@@ -46,11 +46,7 @@ impl Planes {
         values: &[T],
         value: impl Fn(&T) -> f32,
     ) {
-        let name = if layer.is_empty() {
-            channel.to_owned()
-        } else {
-            format!("{layer}.{channel}")
-        };
+        let name = channel_name(layer, channel);
         let samples = match self.precision {
             Precision::Full => FlatSamples::F32(values.iter().map(value).collect()),
             Precision::Half => {
@@ -72,6 +68,15 @@ impl Clamped {
             return f16::from_f32(largest.copysign(value));
         }
         f16::from_f32(value)
+    }
+}
+
+/// `layer.channel`, or `channel` where `layer` is empty.
+pub(crate) fn channel_name(layer: &str, channel: &str) -> String {
+    if layer.is_empty() {
+        channel.to_owned()
+    } else {
+        format!("{layer}.{channel}")
     }
 }
 

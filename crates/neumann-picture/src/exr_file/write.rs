@@ -35,6 +35,22 @@ pub struct Clamped {
     pub largest: f32,
 }
 
+/// What L and the layers of a film are called, in the order of a file: nothing, `T0`, …, `tail`.
+pub(crate) fn layer_names(n_layers: usize) -> impl Iterator<Item = String> {
+    let terms = (0..n_layers).map(|k| format!("T{k}"));
+    std::iter::once(String::new())
+        .chain(terms)
+        .chain(std::iter::once("tail".to_owned()))
+}
+
+/// The pixels of what has that place among [`layer_names`].
+pub(crate) fn layer_of(film: &Film, place: usize) -> Vec<Rgb> {
+    match place.checked_sub(1) {
+        None => film.total(),
+        Some(k) => film.layer(k),
+    }
+}
+
 /// Writes a film with everything that is needed to go on with its render.
 ///
 /// # Errors
@@ -61,14 +77,8 @@ pub fn write_exr_as<'a>(
     precision: Precision,
 ) -> Result<Clamped, PictureError> {
     let mut planes = Planes::new(precision);
-    planes.rgb("", &film.total());
-    for k in 0..=film.n_layers() {
-        let name = if k == film.n_layers() {
-            "tail".to_owned()
-        } else {
-            format!("T{k}")
-        };
-        planes.rgb(&name, &film.layer(k));
+    for (i, name) in layer_names(film.n_layers()).enumerate() {
+        planes.rgb(&name, &layer_of(film, i));
     }
     let variance: Vec<Rgb> = (0..film.n_pixels())
         .map(|pixel| film.variance_of_mean(pixel))

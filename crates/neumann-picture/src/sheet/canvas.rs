@@ -14,11 +14,11 @@ pub(super) struct Canvas {
 
 /// A rectangle, pixels.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rect {
-    pub(super) x: usize,
-    pub(super) y: usize,
-    pub(super) width: usize,
-    pub(super) height: usize,
+pub(crate) struct Rect {
+    pub(crate) x: usize,
+    pub(crate) y: usize,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
 }
 
 impl Rect {

@@ -1,7 +1,8 @@
-//! Errors over time, drawn on a page.
+//! Errors over time, drawn on a page or in a figure.
 
-use super::canvas::{Canvas, Rect};
-use super::text::{Align, Face, Style, Typesetter};
+use super::board::Board;
+use super::canvas::Rect;
+use super::text::{Align, Face, Style};
 use super::{FRAME, NOTE, QUIET, UNIT, WORDS};
 use crate::race::{Chart, Measure, Point, colours};
 
@@ -11,21 +12,40 @@ const BELOW: usize = 6 * UNIT;
 /// Room for what stands above.
 const ABOVE: usize = 4 * UNIT;
 
-const NUMBER: Style = Style {
-    face: Face::Regular,
-    size: 13.0,
-    colour: QUIET,
+/// How a chart looks.
+pub(crate) struct Look {
+    /// Its heading, numbers of its axes, and what is less to be read.
+    pub(crate) words: Style,
+    pub(crate) number: Style,
+    pub(crate) note: Style,
+    pub(crate) grid: [u8; 3],
+    pub(crate) frame: [u8; 3],
+    /// The ground is dark.
+    pub(crate) is_dark: bool,
+}
+
+/// On a sheet.
+pub(super) const ON_SHEETS: Look = Look {
+    words: WORDS,
+    number: Style {
+        face: Face::Regular,
+        size: 13.0,
+        colour: QUIET,
+    },
+    note: NOTE,
+    grid: [0x2a; 3],
+    frame: FRAME,
+    is_dark: true,
 };
-const GRID: [u8; 3] = [0x2a; 3];
 
 /// Draws curves by one measure into a part of the page, in the colours of [`colours`]. Nothing is
 /// drawn while there is no error that has a logarithm.
-pub(super) fn draw(
-    canvas: &mut Canvas,
-    typesetter: &Typesetter,
+pub(crate) fn draw(
+    board: &mut dyn Board,
     page: Rect,
     curves: &[&[Point]],
     measure: Measure,
+    look: &Look,
 ) {
     let Some(chart) = Chart::new(curves, measure) else {
         return;
@@ -43,62 +63,40 @@ pub(super) fn draw(
             plot.y as f32 + (1.0 - y) * plot.height as f32,
         )
     };
-    let write = |canvas: &mut Canvas, text: &str, place, align, style: &Style| {
-        typesetter.write(canvas, text, place, align, style);
-    };
     let title = (
         page.x as f32 + LEFT as f32,
         page.y as f32 + 2.0 * UNIT as f32,
     );
     let heading = format!("{} over processor time, s", measure.name());
-    write(canvas, &heading, title, Align::Left, &WORDS);
+    board.write(&heading, title, Align::Left, &look.words);
     for tick in &chart.seconds.ticks {
         let ends = [at([tick.at, 0.0]), at([tick.at, 1.0])];
-        canvas.line(ends, 1.0, GRID);
+        board.way(&ends, 1.0, look.grid);
         let place = (ends[0].0, ends[0].1 + 2.5 * UNIT as f32);
-        write(canvas, &tick.label, place, Align::Centre, &NUMBER);
+        board.write(&tick.label, place, Align::Centre, &look.number);
     }
     for tick in &chart.error.ticks {
         let ends = [at([0.0, tick.at]), at([1.0, tick.at])];
-        canvas.line(ends, 1.0, GRID);
+        board.way(&ends, 1.0, look.grid);
         let place = (ends[0].0 - UNIT as f32, ends[0].1 + 4.5);
-        write(canvas, &tick.label, place, Align::Right, &NUMBER);
+        board.write(&tick.label, place, Align::Right, &look.number);
     }
     for sides in [[[0.0, 0.0], [1.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]]] {
-        canvas.line(sides.map(at), 1.0, FRAME);
+        board.way(&sides.map(at), 1.0, look.frame);
     }
-    let guide = chart.guide.map(at);
-    dashes(canvas, guide);
+    board.dashes(chart.guide.map(at), 1.0, look.note.colour);
     let beside = (plot.x as f32 + plot.width as f32, title.1);
     let words = format!("- - {}", measure.slope_text());
-    write(canvas, &words, beside, Align::Right, &NOTE);
-    for (curve, colour) in curves.iter().zip(colours(true)) {
+    board.write(&words, beside, Align::Right, &look.note);
+    for (curve, colour) in curves.iter().zip(colours(look.is_dark)) {
         let places: Vec<_> = curve
             .iter()
             .filter_map(|p| chart.place(p))
             .map(at)
             .collect();
-        for ends in places.windows(2) {
-            canvas.line([ends[0], ends[1]], 2.0, colour);
-        }
+        board.way(&places, 2.0, colour);
         for place in places {
-            canvas.line([place, place], 6.0, colour);
+            board.dot(place, 6.0, colour);
         }
-    }
-}
-
-fn dashes(canvas: &mut Canvas, [from, to]: [(f32, f32); 2]) {
-    let length = (to.0 - from.0).hypot(to.1 - from.1).max(1.0);
-    let along = |s: f32| {
-        let share = (s / length).min(1.0);
-        (
-            from.0 + share * (to.0 - from.0),
-            from.1 + share * (to.1 - from.1),
-        )
-    };
-    let n = (length / 12.0) as usize;
-    for i in 0..=n {
-        let start = 12.0 * i as f32;
-        canvas.line([along(start), along(start + 6.0)], 1.0, QUIET);
     }
 }

@@ -5,8 +5,9 @@
 //! on a ground without hue, so that they can be compared by eye.
 
 mod agreement;
+pub(crate) mod board;
 mod canvas;
-mod curves;
+pub(crate) mod curves;
 mod hemisphere;
 mod label;
 mod lobe;
@@ -15,7 +16,7 @@ mod picture;
 mod race;
 mod radius_bias;
 mod techniques;
-mod text;
+pub(crate) mod text;
 
 use neumann_core::film::{Film, View};
 use neumann_core::radiometry::Rgb;
@@ -23,9 +24,11 @@ use neumann_core::radiometry::Rgb;
 use crate::exr_file::Metadata;
 use crate::png_file::Pixels8;
 use crate::tone::Display;
-use canvas::{Canvas, Rect, Thumbnail};
+use canvas::{Canvas, Thumbnail};
 use label::percent;
 use text::{Align, Face, Style, Typesetter};
+
+pub(crate) use canvas::Rect;
 
 pub use agreement::{AgreementSheet, agreement_sheet};
 pub use hemisphere::{HemisphereSheet, hemisphere_sheet};

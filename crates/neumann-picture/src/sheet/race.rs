@@ -1,6 +1,7 @@
 //! Pictures of several methods side by side, with what is to be said of each, and their errors over
 //! time below.
 
+use super::board::Page;
 use super::canvas::{Canvas, Rect, Thumbnail};
 use super::text::{Align, Face, Style, Typesetter};
 use super::{
@@ -137,7 +138,11 @@ pub fn race_sheet(sheet: &RaceSheet<'_>) -> Pixels8 {
                 width,
                 height: CURVES - 2 * UNIT,
             };
-            curves::draw(&mut canvas, &typesetter, part, &curves, measure);
+            let mut page = Page {
+                canvas: &mut canvas,
+                typesetter: &typesetter,
+            };
+            curves::draw(&mut page, part, &curves, measure, &curves::ON_SHEETS);
         }
     }
     canvas.into_pixels()

@@ -11,7 +11,7 @@ static REGULAR: &[u8] = include_bytes!("../../../../assets/fonts/Inter-Regular.o
 static SEMI_BOLD: &[u8] = include_bytes!("../../../../assets/fonts/Inter-SemiBold.otf");
 
 /// Size of scripts, in sizes of the text around them.
-const SCRIPT_SIZE: f32 = 0.68;
+pub(crate) const SCRIPT_SIZE: f32 = 0.68;
 /// How far superscripts are raised, in sizes of the text.
 const RAISE: f32 = 0.34;
 /// How far subscripts are lowered, in sizes of the text.
@@ -19,23 +19,23 @@ const LOWER: f32 = 0.16;
 
 /// Weight of a line.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Face {
+pub(crate) enum Face {
     Regular,
     SemiBold,
 }
 
 /// How a line looks.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Style {
-    pub(super) face: Face,
+pub(crate) struct Style {
+    pub(crate) face: Face,
     /// Pixels per em.
-    pub(super) size: f32,
-    pub(super) colour: [u8; 3],
+    pub(crate) size: f32,
+    pub(crate) colour: [u8; 3],
 }
 
 /// Which point of a line is given.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Align {
+pub(crate) enum Align {
     Left,
     Centre,
     Right,
@@ -125,11 +125,11 @@ impl Typesetter {
         let mut glyphs = Vec::new();
         let mut x = 0.0;
         for (text, level) in runs(line) {
-            let (size, rise) = match level {
-                Level::Base => (style.size, 0.0),
-                Level::Super => (style.size * SCRIPT_SIZE, style.size * RAISE),
-                Level::Sub => (style.size * SCRIPT_SIZE, -style.size * LOWER),
+            let size = match level {
+                Level::Base => style.size,
+                _ => style.size * SCRIPT_SIZE,
             };
+            let rise = style.size * level.rise();
             let scaled = font.as_scaled(size * per_em);
             let mut before: Option<GlyphId> = None;
             for character in text.chars() {
@@ -147,14 +147,25 @@ impl Typesetter {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Level {
+pub(crate) enum Level {
     Base,
     Super,
     Sub,
 }
 
+impl Level {
+    /// How far its baseline is above that of the line, in ems of the line.
+    pub(crate) fn rise(self) -> f32 {
+        match self {
+            Self::Base => 0.0,
+            Self::Super => RAISE,
+            Self::Sub => -LOWER,
+        }
+    }
+}
+
 /// Splits a line at its scripts.
-fn runs(line: &str) -> Vec<(&str, Level)> {
+pub(crate) fn runs(line: &str) -> Vec<(&str, Level)> {
     let mut runs = Vec::new();
     let mut rest = line;
     while !rest.is_empty() {

@@ -67,6 +67,7 @@ impl App {
             Action::SaveSheet => {
                 save::sheet(&self.session, &self.viewing.settings, &mut self.shell);
             }
+            Action::SendToTev => self.shell.sending.toggle(ctx, &mut self.shell.notices),
             Action::Copy => save::copy(ctx, &self.session, &self.viewing, &mut self.shell),
             Action::CopyCommand => self.copy_command(ctx),
             Action::CopyState => {

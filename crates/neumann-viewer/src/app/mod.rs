@@ -166,6 +166,7 @@ impl App {
         }
         self.follow_exposure();
         self.session.refresh(&mut self.viewing.settings);
+        self.send_to_tev(&ctx);
         self.follow_exposure();
 
         let is_presenting = self.shell.is_presenting;
@@ -219,6 +220,16 @@ impl App {
         let session = &mut self.session;
         session.history.follow(&ctx, &session.setup);
         session.start_if_changed();
+    }
+
+    /// Has what is new sent to tev, while that is wanted.
+    fn send_to_tev(&mut self, ctx: &Context) {
+        let (sending, session) = (&mut self.shell.sending, &self.session);
+        if let Some(errand) = sending.next_errand(session) {
+            self.shell.background.send(errand);
+        } else if let Some(rest) = sending.rest(session) {
+            ctx.request_repaint_after(rest);
+        }
     }
 
     /// Remembers the views of the scene for the next start, unless one is being named.

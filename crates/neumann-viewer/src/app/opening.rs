@@ -336,6 +336,10 @@ impl App {
                 Arrival::Chosen(wanted, path) => self.open_chosen(wanted, path),
                 Arrival::NoDialog(wanted) => self.list_files(wanted),
                 Arrival::Dropped(wanted, path) => self.take_dropped_picture(wanted, path),
+                Arrival::Sent(outcome) => {
+                    let shell = &mut self.shell;
+                    shell.sending.take(ctx, outcome, &mut shell.notices);
+                }
                 Arrival::Saved(Ok(path)) => self.shell.notices.saved(ctx, path),
                 Arrival::NoOpener(path) => {
                     ctx.copy_text(path.display().to_string());

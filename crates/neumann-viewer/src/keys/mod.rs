@@ -86,6 +86,8 @@ pub enum Action {
     SaveState,
     /// Save the series as a sheet.
     SaveSheet,
+    /// Send the picture to tev from now on, or no longer.
+    SendToTev,
     /// Copy the picture.
     Copy,
     /// Copy the command that renders the same.

@@ -317,6 +317,12 @@ pub static HELP: &[HelpLine] = &[
     ),
     line(
         FILES,
+        "Ctrl Shift T",
+        "send all layers to tev, live",
+        &[on(CTRL.plus(SHIFT), Key::T, Action::SendToTev)],
+    ),
+    line(
+        FILES,
         "Ctrl C",
         "copy the picture",
         &[on(CTRL, Key::C, Action::Copy)],

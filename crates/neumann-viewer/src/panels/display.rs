@@ -280,4 +280,12 @@ fn save(ui: &mut Ui, shell: &mut Shell) {
             }
         }
     });
+    let about = "Shows the picture and its layers in tev while they are rendered. (Ctrl Shift T)";
+    let mut is_on = shell.sending.is_on();
+    if switch(ui, "Send to tev", &mut is_on)
+        .on_hover_text(about)
+        .changed()
+    {
+        shell.act(ui.ctx(), Action::SendToTev);
+    }
 }

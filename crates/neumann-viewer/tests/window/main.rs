@@ -21,6 +21,7 @@ mod region;
 mod series;
 #[path = "../support/mod.rs"]
 mod support;
+mod tev;
 mod views;
 mod words;
 

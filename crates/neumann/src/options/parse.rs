@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::Vec3;
 use neumann_core::render::lobe::LARGEST_ANGLE;
+use neumann_picture::tev::DEFAULT_ADDRESS;
 
 use super::Exposure;
 
@@ -48,6 +49,15 @@ pub(crate) fn pixel(text: &str) -> Result<[u32; 2], String> {
         Some([x.trim().parse().ok()?, y.trim().parse().ok()?])
     };
     parse().ok_or_else(|| "use COLUMN,ROW such as 12,40, each from 0 on".to_owned())
+}
+
+/// `HOST:PORT`.
+pub(crate) fn address(text: &str) -> Result<String, String> {
+    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty());
+    let is_one = port.is_some_and(|(_, port)| port.parse::<u16>().is_ok_and(|port| port > 0));
+    is_one
+        .then(|| text.to_owned())
+        .ok_or_else(|| format!("use HOST:PORT such as {DEFAULT_ADDRESS}"))
 }
 
 /// A technique: vertices from the light, and from the camera.

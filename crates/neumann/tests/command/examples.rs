@@ -11,6 +11,7 @@ use std::process::Command;
 use neumann_core::integrator::{METHODS, NOTATION};
 
 use super::Folder;
+use super::tev::fake::FakeTev;
 
 /// Where the workspace is.
 fn root() -> PathBuf {
@@ -205,7 +206,9 @@ fn try_one(folder: &Folder, origin: &str, mut line: Vec<String>) {
     if opens_window && cfg!(not(feature = "window")) {
         return;
     }
+    let tev = provide_tev(&mut line);
     let output = folder.run(&line.join(" "));
+    drop(tev);
     let stderr = String::from_utf8_lossy(&output.stderr);
     let has_no_adapter = opens_window && stderr.contains("no graphics adapter");
     if has_no_adapter && std::env::var_os("CI").is_none() {
@@ -213,6 +216,17 @@ fn try_one(folder: &Folder, origin: &str, mut line: Vec<String>) {
         return;
     }
     assert!(output.status.success(), "{said}, run as {line:?}: {stderr}");
+}
+
+/// Lets somebody listen for a command that sends pictures to tev.
+fn provide_tev(line: &mut Vec<String>) -> Option<FakeTev> {
+    let address = line.iter().position(|word| word == "--tev")? + 1;
+    if line.get(address).is_some_and(|word| word.contains(':')) {
+        line.remove(address);
+    }
+    let tev = FakeTev::listen();
+    line.insert(address, tev.address().to_owned());
+    Some(tev)
 }
 
 /// Counts become a 64th, so that ranges of iterations that go together still do; pictures and times

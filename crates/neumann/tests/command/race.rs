@@ -9,7 +9,7 @@ fn methods_race_and_their_errors_are_those_of_compare() {
     let folder = Folder::new();
     let said = folder.succeed(
         "race cornell pt-nee pt-mis:roulette=off --size 48x32 --time 0.4 -o race.png \
-         --csv race.csv --pictures out --json",
+         --csv race.csv --svg race.svg --pictures out --json",
     );
     let racers: Value = serde_json::from_str(&said).unwrap();
     let racers = racers.as_array().unwrap();
@@ -32,6 +32,10 @@ fn methods_race_and_their_errors_are_those_of_compare() {
         .sum();
     assert_eq!(csv.lines().count(), 1 + n_points);
     assert!(csv.starts_with("method,seconds,iterations,relmse,flip\n\"pt-nee\","));
+    // A dot for each point in both charts, and one for each name.
+    let svg = std::fs::read_to_string(folder.join("race.svg")).unwrap();
+    assert_eq!(svg.matches("<circle").count(), 2 * n_points + 2);
+    assert!(svg.contains("pt-mis:roulette=off"), "{svg}");
     // What was rendered for it can be used again.
     let again = "race cornell pt-nee lt --size 48x32 --time 0.1 -o b.png --reference \
                  race.reference.exr";
@@ -69,6 +73,10 @@ fn a_race_that_cannot_be_held_is_refused() {
         "race cornell pt-nee pt-mis -o a.exr",
         "a.exr: the sheet is a .png",
     );
+    for (file, words) in [("a.pdf", "drawn as .svg"), ("no/a.svg", "does not exist")] {
+        let line = format!("race cornell pt-nee pt-mis -o a.png --svg {file}");
+        refused(&line, words);
+    }
     folder.succeed("render cornell --size 16x16 --iterations 1 -o r.png");
     refused(
         "race cornell pt-nee pt-mis --size 32x32 --reference r.png -o a.png",

@@ -538,6 +538,10 @@ fn what_does_not_fit_the_scene_is_told_and_left_out() {
 #[test]
 fn a_state_has_what_views_look_at() {
     let mut first = harness_of(app());
+    let naive = METHODS.iter().position(|m| m.id == "naive");
+    let setup = &mut first.state_mut().session.setup;
+    setup.choose_method(naive.expect("a method"));
+    first.run_steps(2);
     let views = &mut first.state_mut().viewing.views;
     views.get_mut::<InspectView>().expect("a view").pixel = Some([5, 60]);
     views.get_mut::<HemisphereView>().expect("a view").pixel = Some([90, 7]);

@@ -1,5 +1,5 @@
-//! All that a person has chosen, as one structure: scene, camera, method, view, exposure, edits, what
-//! views look at.
+//! All that a person has chosen, as one structure: scene, camera, method, view, exposure, edits,
+//! what views look at.
 //!
 //! A state file is this as JSON. Whoever opens it sees what was seen when it was saved: numbers
 //! come back bit by bit ([`Exact`]). Fields that are left out have their usual value, so that a

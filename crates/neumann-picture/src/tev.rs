@@ -1,13 +1,14 @@
 //! Pictures on their way to tev, the viewer of radiance, by its network protocol.
 //!
 //! A packet is its length (`u32`, these four bytes counted), a byte for its type, and fields
-//! without padding, all little endian: truths are bytes, texts end with a zero byte, lists have no
-//! length of their own.
+//! without padding, all little endian: truths are bytes, texts end with a zero byte, numbers are
+//! `i32` unless said otherwise, lists have no length of their own.
 //!
-//! - Type 4 creates an image: grab focus, name, width, height, number of channels (`i32`), their
-//!   names.
-//! - Type 6 updates a part of it: grab focus, name, number of channels, their names, x, y, width,
-//!   height, the first float and the step of each channel (`i64`), then the floats.
+//! - Type 4 creates an image: whether it comes to the front, name, width, height, number of
+//!   channels, their names.
+//! - Type 6 updates a part of it: whether it comes to the front, name, number of channels, their
+//!   names, x, y, width, height, the first float of each channel and the step from one to the
+//!   next (`i64`), floats.
 //!
 //! Source: <https://github.com/Tom94/tev>, `include/tev/Ipc.h` and `src/Ipc.cpp`, in 2025.
 

@@ -109,6 +109,12 @@ impl Session {
         self.picture.is_there() && self.picture.generation == self.link.generation()
     }
 
+    /// True when, besides, nothing else has been asked for since: a state brings a size with it.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        self.is_current() && !self.setup.is_changed
+    }
+
     /// Starts rendering anew if anything of it has been changed.
     pub fn start_if_changed(&mut self) {
         if !self.setup.is_changed {

@@ -9,7 +9,7 @@ use neumann_core::scene::description::{Crop, MaterialDescription};
 use neumann_core::scene::{Appearance, Level, SkyChoice};
 use neumann_picture::state::{
     CameraState, Edits, EnvironmentState, Exact, ExposureState, FalseColourState, LayersState,
-    LevelEdit, Magnified, MaterialEdit, State, Stop,
+    LevelEdit, LobesOf, LookedAt, Magnified, MaterialEdit, State, Stop,
 };
 
 use crate::display::ViewSettings;
@@ -17,6 +17,12 @@ use crate::display::layers::LayerSettings;
 use crate::session::Session;
 use crate::setup::{FilmSize, OpenScene, Setup};
 use crate::viewing::Viewing;
+use crate::views::Views;
+use crate::views::entry::Entry;
+use crate::views::hemisphere::HemisphereView;
+use crate::views::inspect::InspectView;
+use crate::views::lobe::{Choice, LobeView};
+use crate::views::race::RaceView;
 
 /// What is seen now; `None` while there is no scene.
 #[must_use]
@@ -64,6 +70,7 @@ pub fn of(session: &Session, viewing: &Viewing) -> Option<State> {
         backs: appearance.backs.name().to_owned(),
         edits: edits(open),
         layers_beside: layers_of(&settings.layers),
+        looked_at: looked_at(&viewing.views),
         ..render
     })
 }
@@ -121,7 +128,44 @@ pub fn take_up(state: &State, session: &mut Session, viewing: &mut Viewing) -> V
     if let Err(refusal) = viewing.views.show(&state.view, setup, &viewing.settings) {
         complaints.push(refusal);
     }
+    take_looked_at(&state.looked_at, &mut viewing.views);
     complaints
+}
+
+/// What views look at.
+fn looked_at(views: &Views) -> LookedAt {
+    let race = views.get::<RaceView>().map(|view| &view.entries);
+    LookedAt {
+        inspected: views.get::<InspectView>().and_then(|view| view.pixel),
+        hemisphere: views.get::<HemisphereView>().and_then(|view| view.pixel),
+        lobes: views.get::<LobeView>().and_then(|view| {
+            view.choice.map(|choice| match choice {
+                Choice::Pixel(pixel) => LobesOf::Pixel(pixel),
+                Choice::Material(material) => LobesOf::Material(material),
+            })
+        }),
+        race: race.into_iter().flatten().map(Entry::state).collect(),
+    }
+}
+
+/// Lets views look at something, after one of them has been opened.
+fn take_looked_at(state: &LookedAt, views: &mut Views) {
+    if let Some(view) = views.get_mut::<InspectView>() {
+        view.pixel = state.inspected;
+    }
+    if let Some(view) = views.get_mut::<HemisphereView>() {
+        view.pixel = state.hemisphere;
+    }
+    if let Some(view) = views.get_mut::<LobeView>() {
+        view.choice = state.lobes.map(|lobes| match lobes {
+            LobesOf::Pixel(pixel) => Choice::Pixel(pixel),
+            LobesOf::Material(material) => Choice::Material(material),
+        });
+    }
+    if let Some(view) = views.get_mut::<RaceView>() {
+        // A state that was read has been checked.
+        view.enter(state.race.iter().filter_map(Entry::of_state).collect());
+    }
 }
 
 /// Level, colour and turn of the environment; for a map that came later than the scene, too.

@@ -14,10 +14,10 @@ use crate::false_colour::ColourMap;
 use crate::tone::ToneCurve;
 
 /// The field, and what is wrong with it.
-type Wrong = (String, String);
+pub(super) type Wrong = (String, String);
 
 /// Most columns and rows of a film.
-const MAX_EDGE: usize = 65_535;
+pub(super) const MAX_EDGE: usize = 65_535;
 
 impl State {
     /// Refuses what cannot be; yields what is odd.
@@ -92,6 +92,7 @@ impl State {
                 range(&format!("layers_beside.mix.{name}"), channel, 0.0, f32::MAX)?;
             }
         }
+        self.looked_at.check()?;
         Ok(warnings)
     }
 
@@ -190,7 +191,7 @@ impl LevelEdit {
     }
 }
 
-fn wrong<T>(field: &str, what: impl Into<String>) -> Result<T, Wrong> {
+pub(super) fn wrong<T>(field: &str, what: impl Into<String>) -> Result<T, Wrong> {
     Err((field.to_owned(), what.into()))
 }
 
@@ -199,7 +200,7 @@ fn read<T: FromStr<Err: ToString>>(field: &str, text: &str) -> Result<T, Wrong> 
         .map_err(|error: T::Err| (field.to_owned(), error.to_string()))
 }
 
-fn whole(field: &str, value: usize, min: usize, max: usize) -> Result<(), Wrong> {
+pub(super) fn whole(field: &str, value: usize, min: usize, max: usize) -> Result<(), Wrong> {
     if (min..=max).contains(&value) {
         return Ok(());
     }

@@ -1,4 +1,5 @@
-//! All that a person has chosen, as one structure: scene, camera, method, view, exposure, edits.
+//! All that a person has chosen, as one structure: scene, camera, method, view, exposure, edits,
+//! what views look at.
 //!
 //! A state file is this as JSON. Whoever opens it sees what was seen when it was saved: numbers
 //! come back bit by bit ([`Exact`]). Fields that are left out have their usual value, so that a
@@ -8,6 +9,7 @@
 mod check;
 mod file;
 mod kept;
+mod looked_at;
 mod number;
 #[cfg(test)]
 mod tests;
@@ -28,6 +30,7 @@ use serde::{Deserialize, Serialize};
 
 pub use file::StateError;
 pub use kept::{KeptView, KeptViews};
+pub use looked_at::{LobesOf, LookedAt, Racing};
 pub use number::Exact;
 
 /// All that a person has chosen.
@@ -76,6 +79,8 @@ pub struct State {
     pub backs: String,
     /// What is other than in the scene's file.
     pub edits: Edits,
+    /// What views beside the picture look at.
+    pub looked_at: LookedAt,
     /// Layers beside the bounces.
     pub layers_beside: LayersState,
 }
@@ -409,6 +414,7 @@ impl Default for State {
             backs: "solid".to_owned(),
             edits: Edits::default(),
             layers_beside: LayersState::default(),
+            looked_at: LookedAt::default(),
         }
     }
 }

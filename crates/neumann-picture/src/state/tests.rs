@@ -1,8 +1,8 @@
 //! States go to a file and come back; what is wrong with a file is told.
 
 use super::{
-    CameraState, Exact, LensState, LevelEdit, MaterialEdit, ProjectionState, RegionState, State,
-    Stop,
+    CameraState, Exact, LensState, LevelEdit, LobesOf, LookedAt, MaterialEdit, ProjectionState,
+    Racing, RegionState, State, Stop,
 };
 use crate::files::tests::TestFolder;
 
@@ -53,7 +53,41 @@ fn full() -> State {
         brightness: Exact(2.0),
         strength: Some(Exact::all([3.0, 2.0, 1.0])),
     });
+    state.looked_at = LookedAt {
+        inspected: Some([3, 4]),
+        hemisphere: Some([0, 47]),
+        lobes: Some(LobesOf::Material(2)),
+        race: vec![
+            Racing::OfPage("bdpt".to_owned()),
+            Racing::Own("pt-mis:roulette=off".to_owned()),
+        ],
+    };
     state
+}
+
+#[test]
+fn what_cannot_be_looked_at_is_refused() {
+    let refused = |looked_at: &str, words: &str| {
+        let text = format!(r#"{{"scene": "cornell", "looked_at": {looked_at}}}"#);
+        let (field, what) = State::parse(&text).unwrap_err();
+        let error = format!("{field}: {what}");
+        assert!(error.contains(words), "{error}");
+    };
+    refused(
+        r#"{"inspected": [1, 65535]}"#,
+        "looked_at.inspected[1]: 65535",
+    );
+    refused(
+        r#"{"lobes": {"pixel": [70000, 1]}}"#,
+        "looked_at.lobes.pixel[0]",
+    );
+    refused(r#"{"race": [{"own": "bdpt"}]}"#, "names 1; use 2 to 4");
+    let race = |second: &str| format!(r#"{{"race": [{{"own": "bdpt"}}, {{{second}}}]}}"#);
+    refused(
+        &race(r#""own": "pt-mos""#),
+        "looked_at.race[1]: no integrator",
+    );
+    refused(&race(r#""of_page": "pt-mis:roulette=off""#), "use 'own'");
 }
 
 #[test]

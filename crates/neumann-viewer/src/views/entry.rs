@@ -3,6 +3,7 @@
 
 use neumann_core::integrator::METHODS;
 use neumann_picture::race::{Entrant, MOST};
+use neumann_picture::state::Racing;
 
 use crate::setup::Setup;
 
@@ -23,6 +24,25 @@ impl Entry {
             Self::OfPage(index) => Entrant::new(METHODS[*index], &setup.values[*index]),
             Self::Own(entrant) => entrant.clone(),
         }
+    }
+
+    /// As it stands in a state.
+    #[must_use]
+    pub fn state(&self) -> Racing {
+        match self {
+            Self::OfPage(index) => Racing::OfPage(METHODS[*index].id.to_owned()),
+            Self::Own(entrant) => Racing::Own(entrant.name.clone()),
+        }
+    }
+
+    /// From a state; `None` if there is no such method.
+    #[must_use]
+    pub fn of_state(state: &Racing) -> Option<Self> {
+        let entrant = state.entrant().ok()?;
+        Some(match state {
+            Racing::OfPage(id) => Self::OfPage(METHODS.iter().position(|m| m.id == id)?),
+            Racing::Own(_) => Self::Own(entrant),
+        })
     }
 
     /// Place of the method among all.

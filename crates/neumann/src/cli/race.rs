@@ -14,7 +14,7 @@ use crate::options::{DisplayOptions, SettingsOptions};
     reference is rendered by bdpt for four times as long, and kept beside the sheet.\n\n\
     Examples:\n  \
     neumann race cornell pt-nee pt-mis bdpt --time 10 -o race.png\n  \
-    neumann race plates pt-bsdf pt-nee pt-mis --size 384x256 --time 5 -o veach.png --csv v.csv\n  \
+    neumann race plates pt-bsdf pt-nee pt-mis --size 384x256 --time 5 -o v.png --csv v.csv\n  \
     neumann race lamps pt-mis bdpt --time 10 -o race.png --svg curves.svg",
     mut_arg("integrator", |a| a.hide(true)),
     mut_arg("set", |a| a.hide(true))

@@ -146,8 +146,9 @@ impl View for HemisphereView {
 
     fn attend(&mut self, session: &Session, _settings: &ViewSettings) -> bool {
         let size = session.shown_size();
-        let is_within = |p: &[usize; 2]| p[0] < size.0 && p[1] < size.1;
-        if self.pixel.filter(is_within).is_none() && size.0 > 0 {
+        let is_within = |p: [usize; 2]| p[0] < size.0 && p[1] < size.1;
+        let is_gone = |p| session.is_settled() && !is_within(p);
+        if self.pixel.is_none_or(is_gone) && size.0 > 0 {
             self.look_at([size.0 / 2, size.1 / 2]);
         }
         let (Some(pixel), Some(job)) = (self.pixel, session.link.started()) else {

@@ -114,9 +114,9 @@ impl View for InspectView {
 
     fn attend(&mut self, session: &Session, settings: &ViewSettings) -> bool {
         let size = session.shown_size();
-        let is_within = |p: &[usize; 2]| p[0] < size.0 && p[1] < size.1;
-        let pixel = self.pixel.filter(is_within);
-        if pixel.is_none() && size.0 > 0 {
+        let is_within = |p: [usize; 2]| p[0] < size.0 && p[1] < size.1;
+        let is_gone = |p| session.is_settled() && !is_within(p);
+        if self.pixel.is_none_or(is_gone) && size.0 > 0 {
             self.inspect([size.0 / 2, size.1 / 2]);
         }
         let (Some(pixel), Some(job)) = (self.pixel, session.link.started()) else {

@@ -235,7 +235,8 @@ impl View for LobeView {
             Some(Choice::Material(material)) => material < self.n_materials,
             None => false,
         };
-        if !is_there && size.0 > 0 {
+        let is_gone = self.choice.is_none() || session.is_settled();
+        if !is_there && is_gone && size.0 > 0 {
             self.choice = Some(Choice::Pixel([size.0 / 2, size.1 / 2]));
         }
         let Some(choice) = self.choice.filter(|_| session.is_current()) else {

@@ -111,6 +111,13 @@ impl RaceView {
         Some((quality, times.collect()))
     }
 
+    /// Lets these take part, whatever the method of the picture is; the usual ones if there are
+    /// fewer than two.
+    pub fn enter(&mut self, entries: Vec<Entry>) {
+        self.is_opening &= entries.len() < 2;
+        self.entries = entries;
+    }
+
     /// True while a race is held.
     #[must_use]
     pub fn is_held(&self) -> bool {

@@ -97,7 +97,7 @@ impl<'a> Accessor<'a> {
             return Err(Fault::broken(item.path("count"), "is missing"));
         };
         let element = n_components * component.size();
-        let base = match file.buffers.view(&file.document, item)? {
+        let base = match file.buffers.view(&file.document, item, &file.allowance)? {
             Some(view) => Some(strided(item, view, count, element)?),
             None => None,
         };
@@ -316,7 +316,7 @@ fn open_sparse<'a>(
             .ok_or_else(|| missing(sparse.path(key)))?;
         let view = file
             .buffers
-            .view(&file.document, &item)?
+            .view(&file.document, &item, &file.allowance)?
             .ok_or_else(|| missing(item.path("bufferView")))?;
         Ok((item, view))
     };

@@ -4,8 +4,9 @@ use super::error::{Fault, quoted};
 use super::json::Document;
 
 /// Extensions that are read and mean what they say.
-const SUPPORTED: [&str; 12] = [
+const SUPPORTED: [&str; 14] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -15,6 +16,7 @@ const SUPPORTED: [&str; 12] = [
     "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_node_visibility",
     "KHR_texture_transform",
 ];
@@ -73,7 +75,7 @@ pub(super) fn read(document: &Document) -> Result<Extensions, Fault> {
 
 fn unsupported(field: &str, name: &str) -> Fault {
     let remedy = match name {
-        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+        "KHR_draco_mesh_compression" => {
             "store the scene without mesh compression, for instance with gltf-transform"
         }
         GLOSSINESS => CONVERT_GLOSSINESS,

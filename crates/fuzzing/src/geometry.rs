@@ -1,5 +1,10 @@
 //! Packed geometry, as bufferViews of glTF files hold it.
 
+use draco_core::{
+    DataType, EncoderBuffer, EncoderOptions, GeometryAttributeType, Mesh, MeshEncoder,
+    PointAttribute,
+};
+use neumann_core::decode::draco;
 use neumann_core::decode::meshopt::{Filter, Layout, Mode, decode};
 
 use crate::Target;
@@ -54,3 +59,64 @@ pub(crate) const MESHOPT: Target = Target {
         seeds
     },
 };
+
+/// Draco streams.
+pub(crate) const DRACO: Target = Target {
+    name: "draco",
+    run: |bytes| {
+        let limits = draco::Limits {
+            n_points: 4096,
+            n_triangles: 4096,
+        };
+        match draco::decode(bytes, &[0, 1], limits) {
+            Ok(mesh) => {
+                let mut corners = mesh.triangles.iter().flatten();
+                assert!(corners.all(|&corner| (corner as usize) < mesh.n_points));
+                true
+            }
+            Err(_) => false,
+        }
+    },
+    seeds: || [0, 5, 10].into_iter().map(packed_grid).collect(),
+};
+
+/// A grid of nine by nine points with normals, packed small (0) or fast (10).
+fn packed_grid(speed: i32) -> Vec<u8> {
+    const SIDE: u32 = 9;
+    let n_points = (SIDE * SIDE) as usize;
+    let mut mesh = Mesh::new();
+    for kind in [
+        GeometryAttributeType::Position,
+        GeometryAttributeType::Normal,
+    ] {
+        let mut attribute = PointAttribute::new();
+        attribute.init(kind, 3, DataType::Float32, false, n_points);
+        for i in 0..SIDE * SIDE {
+            let [x, y] = [i % SIDE, i / SIDE].map(|v| v as f32 / 4.0 - 1.0);
+            let z = (1.5 - 0.5 * (x * x + y * y)).max(0.0);
+            let bytes: Vec<u8> = [x, y, z].iter().flat_map(|v| v.to_le_bytes()).collect();
+            attribute.buffer_mut().write(12 * i as usize, &bytes);
+        }
+        mesh.add_attribute(attribute);
+    }
+    for y in 0..SIDE - 1 {
+        for x in 0..SIDE - 1 {
+            let a = y * SIDE + x;
+            mesh.add_face([a, a + 1, a + SIDE].map(Into::into));
+            mesh.add_face([a + SIDE, a + 1, a + SIDE + 1].map(Into::into));
+        }
+    }
+    let mut options = EncoderOptions::new();
+    options.set_global_int("encoding_speed", speed);
+    options.set_global_int("decoding_speed", speed);
+    for attribute in 0..2 {
+        options.set_attribute_int(attribute, "quantization_bits", 9);
+    }
+    let mut encoder = MeshEncoder::new();
+    encoder.set_mesh(mesh);
+    let mut buffer = EncoderBuffer::new();
+    match encoder.encode(&options, &mut buffer) {
+        Ok(()) => buffer.data().to_vec(),
+        Err(_) => Vec::new(),
+    }
+}

@@ -7,7 +7,7 @@
 //! | file | targets |
 //! |---|---|
 //! | `scenes` | `scene-json` (edits of a whole document), `glb`, `accessors` (built and traced) |
-//! | `geometry` | `meshopt` |
+//! | `geometry` | `meshopt`, `draco` |
 //! | `pictures` | `picture`, `hdr`, `exr`, `checkpoint`, `compare` |
 
 mod damage;
@@ -38,6 +38,7 @@ pub static TARGETS: &[Target] = &[
     scenes::GLB,
     scenes::ACCESSORS,
     geometry::MESHOPT,
+    geometry::DRACO,
     pictures::PICTURE,
     pictures::HDR,
     pictures::EXR,
@@ -72,7 +73,7 @@ mod tests {
 
     use super::{Dice, TARGETS, Target, damaged};
 
-    /// Inputs of a target in the short round; 22 500 in all.
+    /// Inputs of a target in the short round; 25 000 in all.
     const N_INPUTS: usize = 2500;
     /// Far more than any input needs, far less than a hang.
     const LONGEST: Duration = Duration::from_secs(20);
@@ -135,6 +136,11 @@ mod tests {
     #[test]
     fn odd_packed_geometry() {
         round("meshopt");
+    }
+
+    #[test]
+    fn odd_packed_meshes() {
+        round("draco");
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //!
 //! | file | what it reads |
 //! |---|---|
-//! | [`meshopt`] | geometry of glTF |
+//! | [`meshopt`], [`draco`] | geometry of glTF |
 //! | [`bitmap`] | PNG, JPEG, WebP: textures |
 //! | [`radiance_hdr`] | Radiance HDR |
 //! | [`openexr`] | OpenEXR, layer by layer |
@@ -13,6 +13,7 @@
 //! Textures and OpenEXR are the crate's feature `pictures`; Radiance HDR is always read.
 
 pub mod bitmap;
+pub mod draco;
 pub mod meshopt;
 #[cfg(feature = "pictures")]
 pub mod openexr;

@@ -4,10 +4,11 @@ use super::error::{Fault, quoted};
 use super::json::Document;
 
 /// Extensions that are read and mean what they say.
-const SUPPORTED: [&str; 14] = [
+const SUPPORTED: [&str; 15] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -75,9 +76,6 @@ pub(super) fn read(document: &Document) -> Result<Extensions, Fault> {
 
 fn unsupported(field: &str, name: &str) -> Fault {
     let remedy = match name {
-        "KHR_draco_mesh_compression" => {
-            "store the scene without mesh compression, for instance with gltf-transform"
-        }
         GLOSSINESS => CONVERT_GLOSSINESS,
         _ => "export the scene without this extension",
     };
@@ -106,9 +104,9 @@ mod tests {
             ["KHR_materials_ior", "KHR_texture_transform"]
         );
         assert_eq!(extensions.ignored, ["KHR_x"]);
-        let document = parse(r#"{"extensionsRequired":["KHR_draco_mesh_compression"]}"#);
+        let document = parse(r#"{"extensionsRequired":["KHR_x"]}"#);
         let fault = read(&document).unwrap_err();
-        assert!(fault.problem.contains("KHR_draco_mesh_compression"));
+        assert!(fault.problem.contains("KHR_x"));
         assert_eq!(fault.field, "extensionsRequired[0]");
         let document = parse(&format!(r#"{{"extensionsRequired":["{GLOSSINESS}"]}}"#));
         assert!(read(&document).unwrap_err().remedy.contains("metalrough"));

@@ -62,7 +62,7 @@ const LOSSES: [(&str, &str); 17] = [
 ];
 
 /// Extensions without which the picture is the same, or of which others tell what is missing.
-const HARMLESS: [&str; 24] = [
+const HARMLESS: [&str; 23] = [
     "AGI_articulations",
     "AGI_stk_metadata",
     "CESIUM_primitive_outline",
@@ -74,7 +74,6 @@ const HARMLESS: [&str; 24] = [
     "KHR_animation_pointer",
     "KHR_audio",
     "KHR_audio_emitter",
-    "KHR_draco_mesh_compression",
     "KHR_implicit_shapes",
     "KHR_interactivity",
     "KHR_materials_pbrSpecularGlossiness",

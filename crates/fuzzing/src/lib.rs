@@ -7,9 +7,11 @@
 //! | file | targets |
 //! |---|---|
 //! | `scenes` | `scene-json` (edits of a whole document), `glb`, `accessors` (built and traced) |
+//! | `geometry` | `meshopt`, `draco` |
 //! | `pictures` | `picture`, `hdr`, `exr`, `checkpoint`, `compare` |
 
 mod damage;
+mod geometry;
 mod pictures;
 mod scenes;
 
@@ -35,6 +37,8 @@ pub static TARGETS: &[Target] = &[
     scenes::SCENE_JSON,
     scenes::GLB,
     scenes::ACCESSORS,
+    geometry::MESHOPT,
+    geometry::DRACO,
     pictures::PICTURE,
     pictures::HDR,
     pictures::EXR,
@@ -69,7 +73,7 @@ mod tests {
 
     use super::{Dice, TARGETS, Target, damaged};
 
-    /// Inputs of a target in the short round; 20 000 in all.
+    /// Inputs of a target in the short round; 25 000 in all.
     const N_INPUTS: usize = 2500;
     /// Far more than any input needs, far less than a hang.
     const LONGEST: Duration = Duration::from_secs(20);
@@ -127,6 +131,16 @@ mod tests {
     #[test]
     fn odd_accessors() {
         round("accessors");
+    }
+
+    #[test]
+    fn odd_packed_geometry() {
+        round("meshopt");
+    }
+
+    #[test]
+    fn odd_packed_meshes() {
+        round("draco");
     }
 
     #[test]

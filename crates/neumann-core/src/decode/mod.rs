@@ -1,10 +1,11 @@
-//! Picture files into numbers, each in the format that its file keeps.
+//! Packed files and streams into numbers, each in the format that they keep.
 //!
 //! Whatever is decoded is paid for from the process's [`memory`](crate::memory) before it is
 //! allocated; decoders of others run under [`quietly`].
 //!
 //! | file | what it reads |
 //! |---|---|
+//! | [`meshopt`], [`draco`] | geometry of glTF |
 //! | [`bitmap`] | PNG, JPEG, WebP: textures |
 //! | [`radiance_hdr`] | Radiance HDR |
 //! | [`openexr`] | OpenEXR, layer by layer |
@@ -12,6 +13,8 @@
 //! Textures and OpenEXR are the crate's feature `pictures`; Radiance HDR is always read.
 
 pub mod bitmap;
+pub mod draco;
+pub mod meshopt;
 #[cfg(feature = "pictures")]
 pub mod openexr;
 pub mod radiance_hdr;
@@ -27,7 +30,7 @@ pub use texels::{Indexed, StoredTexels, Texels};
 
 use crate::memory::Shortage;
 
-/// Why a picture could not be decoded; the text goes on from the picture's name.
+/// Why something could not be decoded; the text goes on from its name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum DecodeError {
     /// The file is at fault, or of a kind that cannot be read.

@@ -8,6 +8,7 @@ use super::File;
 use super::buffer::View;
 use super::error::Fault;
 use super::json::Item;
+use crate::decode::draco::{Attribute, Number};
 
 /// An accessor without data may stand for this many zeros, and no more.
 const MOST_ZEROS: usize = 1 << 24;
@@ -97,7 +98,7 @@ impl<'a> Accessor<'a> {
             return Err(Fault::broken(item.path("count"), "is missing"));
         };
         let element = n_components * component.size();
-        let base = match file.buffers.view(&file.document, item)? {
+        let base = match file.buffers.view(&file.document, item, &file.allowance)? {
             Some(view) => Some(strided(item, view, count, element)?),
             None => None,
         };
@@ -125,6 +126,35 @@ impl<'a> Accessor<'a> {
         })
     }
 
+    /// The same, with the elements that a Draco stream has for it.
+    pub(super) fn over(mut self, attribute: &'a Attribute, count: usize) -> Result<Self, Fault> {
+        let n_components = attribute.n_components;
+        if n_components != self.n_components {
+            return Err(Fault::broken(
+                format!("{}.type", self.at),
+                format!(
+                    "stands for {} numbers, but the Draco stream has {n_components}",
+                    self.n_components
+                ),
+            ));
+        }
+        self.component = match attribute.number {
+            Number::I8 => Component::I8,
+            Number::U8 => Component::U8,
+            Number::I16 => Component::I16,
+            Number::U16 => Component::U16,
+            Number::U32 => Component::U32,
+            Number::F32 => Component::F32,
+        };
+        self.count = count;
+        self.base = Some(Strided {
+            bytes: &attribute.bytes,
+            stride: n_components * self.component.size(),
+        });
+        self.sparse = None;
+        Ok(self)
+    }
+
     /// Number of elements.
     pub(super) fn count(&self) -> usize {
         self.count
@@ -138,11 +168,6 @@ impl<'a> Accessor<'a> {
     /// Where the accessor stands in the file.
     pub(super) fn at(&self) -> &str {
         &self.at
-    }
-
-    /// True when neither a view nor sparse values say anything.
-    pub(super) fn is_without_data(&self) -> bool {
-        self.base.is_none() && self.sparse.is_none()
     }
 
     /// Takes integers for fractions of their largest value, said or unsaid.
@@ -316,7 +341,7 @@ fn open_sparse<'a>(
             .ok_or_else(|| missing(sparse.path(key)))?;
         let view = file
             .buffers
-            .view(&file.document, &item)?
+            .view(&file.document, &item, &file.allowance)?
             .ok_or_else(|| missing(item.path("bufferView")))?;
         Ok((item, view))
     };

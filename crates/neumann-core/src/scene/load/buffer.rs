@@ -2,9 +2,13 @@
 //!
 //! A buffer that cannot be read is a fault only when something refers to it.
 
+use std::cell::OnceCell;
+
+use super::allowance::Allowance;
 use super::container::Container;
 use super::error::{EXPORT_AGAIN, Fault};
 use super::json::{Document, Item};
+use super::meshopt;
 use super::source::{Bytes, Source};
 
 /// The bytes of one buffer.
@@ -18,6 +22,8 @@ enum Buffer<'a> {
 #[derive(Debug)]
 pub(super) struct Buffers<'a> {
     buffers: Vec<Result<Buffer<'a>, Fault>>,
+    /// Views that are packed, each unpacked when something first refers to it.
+    unpacked: Vec<OnceCell<Result<Vec<u8>, Fault>>>,
 }
 
 /// A stretch of a buffer.
@@ -39,7 +45,8 @@ impl<'a> Buffers<'a> {
                 read_buffer(&item, chunk, source)
             })
             .collect();
-        Self { buffers }
+        let unpacked = vec![OnceCell::new(); document.count("bufferViews")];
+        Self { buffers, unpacked }
     }
 
     /// Bytes of all buffers together.
@@ -52,41 +59,57 @@ impl<'a> Buffers<'a> {
     }
 
     /// The view that `item.bufferView` refers to, if the field is there.
+    ///
+    /// `allowance` pays for it if it has to be unpacked.
     pub(super) fn view(
         &self,
         document: &Document,
         item: &Item<'_>,
+        allowance: &Allowance,
     ) -> Result<Option<View<'_>>, Fault> {
         let Some(index) = document.reference(item, "bufferView", "bufferViews")? else {
             return Ok(None);
         };
         let view = document.item("bufferViews", index)?;
-        let Some(buffer) = document.reference(&view, "buffer", "buffers")? else {
-            return Err(Fault::broken(view.path("buffer"), "is missing"));
+        let bytes = match meshopt::extension(&view)? {
+            None => self.stretch(document, &view)?,
+            Some(packed) => {
+                let unpack = || {
+                    let stream = self.stretch(document, &packed)?;
+                    meshopt::unpack(&packed, stream, length(&view)?, allowance)
+                };
+                let unpacked = self.unpacked[index].get_or_init(unpack);
+                unpacked.as_ref().map_err(Fault::clone)?
+            }
+        };
+        // Zero is not allowed, but was once written for "tightly packed".
+        let stride = view.index("byteStride")?.filter(|&stride| stride > 0);
+        Ok(Some(View { bytes, stride }))
+    }
+
+    /// The bytes that `item` names by buffer, offset and length.
+    fn stretch(&self, document: &Document, item: &Item<'_>) -> Result<&[u8], Fault> {
+        let Some(buffer) = document.reference(item, "buffer", "buffers")? else {
+            return Err(Fault::broken(item.path("buffer"), "is missing"));
         };
         let buffer = match &self.buffers[buffer] {
             Ok(buffer) => buffer.bytes(),
-            Err(fault) => return Err(with_compression_named(fault, &view)),
+            Err(fault) => return Err(fault.clone()),
         };
-        let Some(length) = view.index("byteLength")? else {
-            return Err(Fault::broken(view.path("byteLength"), "is missing"));
-        };
-        let offset = view.index("byteOffset")?.unwrap_or(0);
-        let bytes = offset
+        let length = length(item)?;
+        let offset = item.index("byteOffset")?.unwrap_or(0);
+        offset
             .checked_add(length)
             .and_then(|end| buffer.get(offset..end))
             .ok_or_else(|| {
                 Fault::broken(
-                    view.path("byteLength"),
+                    item.path("byteLength"),
                     format!(
                         "bytes from {offset}, {length} of them, lie beyond the buffer's {}",
                         buffer.len()
                     ),
                 )
-            })?;
-        // Zero is not allowed, but was once written for "tightly packed".
-        let stride = view.index("byteStride")?.filter(|&stride| stride > 0);
-        Ok(Some(View { bytes, stride }))
+            })
     }
 }
 
@@ -105,9 +128,13 @@ fn read_buffer<'a>(
     chunk: Option<&'a [u8]>,
     source: &mut Source<'_>,
 ) -> Result<Buffer<'a>, Fault> {
-    let Some(length) = item.index("byteLength")? else {
-        return Err(Fault::broken(item.path("byteLength"), "is missing"));
-    };
+    let length = length(item)?;
+    if meshopt::is_fallback(item)? {
+        return Err(Fault::broken(
+            item.at(),
+            "is a fallback of packed bufferViews, but something else refers to it",
+        ));
+    }
     let too_short = |found: usize| {
         Fault::broken(
             item.path("byteLength"),
@@ -134,18 +161,7 @@ fn read_buffer<'a>(
     }
 }
 
-/// Compressed views may name a fallback buffer that is not there.
-fn with_compression_named(fault: &Fault, view: &Item<'_>) -> Fault {
-    let extensions = view.child_if_object("extensions");
-    let name = ["EXT_meshopt_compression", "KHR_meshopt_compression"]
-        .into_iter()
-        .find(|name| extensions.as_ref().is_some_and(|e| e.has(name)));
-    match name {
-        Some(name) => Fault::new(
-            view.at(),
-            format!("is compressed with {name}, which cannot be read, and has no fallback"),
-            "store the scene without mesh compression (gltfpack without -c, gltf-transform)",
-        ),
-        None => fault.clone(),
-    }
+fn length(item: &Item<'_>) -> Result<usize, Fault> {
+    let length = item.index("byteLength")?;
+    length.ok_or_else(|| Fault::broken(item.path("byteLength"), "is missing"))
 }

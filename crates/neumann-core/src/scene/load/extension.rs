@@ -4,9 +4,11 @@ use super::error::{Fault, quoted};
 use super::json::Document;
 
 /// Extensions that are read and mean what they say.
-const SUPPORTED: [&str; 12] = [
+const SUPPORTED: [&str; 15] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -15,6 +17,7 @@ const SUPPORTED: [&str; 12] = [
     "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_node_visibility",
     "KHR_texture_transform",
 ];
@@ -73,9 +76,6 @@ pub(super) fn read(document: &Document) -> Result<Extensions, Fault> {
 
 fn unsupported(field: &str, name: &str) -> Fault {
     let remedy = match name {
-        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "store the scene without mesh compression, for instance with gltf-transform"
-        }
         GLOSSINESS => CONVERT_GLOSSINESS,
         _ => "export the scene without this extension",
     };
@@ -104,9 +104,9 @@ mod tests {
             ["KHR_materials_ior", "KHR_texture_transform"]
         );
         assert_eq!(extensions.ignored, ["KHR_x"]);
-        let document = parse(r#"{"extensionsRequired":["KHR_draco_mesh_compression"]}"#);
+        let document = parse(r#"{"extensionsRequired":["KHR_x"]}"#);
         let fault = read(&document).unwrap_err();
-        assert!(fault.problem.contains("KHR_draco_mesh_compression"));
+        assert!(fault.problem.contains("KHR_x"));
         assert_eq!(fault.field, "extensionsRequired[0]");
         let document = parse(&format!(r#"{{"extensionsRequired":["{GLOSSINESS}"]}}"#));
         assert!(read(&document).unwrap_err().remedy.contains("metalrough"));

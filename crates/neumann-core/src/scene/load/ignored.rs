@@ -62,7 +62,7 @@ const LOSSES: [(&str, &str); 17] = [
 ];
 
 /// Extensions without which the picture is the same, or of which others tell what is missing.
-const HARMLESS: [&str; 26] = [
+const HARMLESS: [&str; 23] = [
     "AGI_articulations",
     "AGI_stk_metadata",
     "CESIUM_primitive_outline",
@@ -70,16 +70,13 @@ const HARMLESS: [&str; 26] = [
     "EXT_instance_features",
     "EXT_mesh_features",
     "EXT_mesh_manifold",
-    "EXT_meshopt_compression",
     "EXT_structural_metadata",
     "KHR_animation_pointer",
     "KHR_audio",
     "KHR_audio_emitter",
-    "KHR_draco_mesh_compression",
     "KHR_implicit_shapes",
     "KHR_interactivity",
     "KHR_materials_pbrSpecularGlossiness",
-    "KHR_meshopt_compression",
     "KHR_node_hoverability",
     "KHR_node_selectability",
     "KHR_physics_rigid_bodies",

@@ -316,6 +316,15 @@ impl<'a> Item<'a> {
         Ok(Some(numbers))
     }
 
+    /// The fields of the object, which must all be indices.
+    pub(super) fn indices_of_fields(&self) -> Result<Vec<usize>, Fault> {
+        let mut indices = Vec::new();
+        for key in self.fields.keys() {
+            indices.extend(self.index(key)?);
+        }
+        Ok(indices)
+    }
+
     /// The `name` of the object, if it is a string with something in it.
     pub(super) fn name(&self) -> Option<&'a str> {
         self.value("name")

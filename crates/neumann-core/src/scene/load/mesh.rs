@@ -12,6 +12,7 @@ use rayon::iter::{
 
 use super::File;
 use super::accessor::Accessor;
+use super::draco::Attributes;
 use super::error::{Fault, quoted};
 use super::json::Item;
 use super::morph;
@@ -91,12 +92,12 @@ fn read_primitive(
             format!("is {mode}; modes are 0 to 6"),
         ));
     };
-    let attributes = primitive.child("attributes")?;
+    let attributes = Attributes::read(file, primitive)?;
     let positions = match &attributes {
-        Some(attributes) => Accessor::open(file, attributes, "POSITION", &["VEC3"])?,
+        Some(attributes) => attributes.open(file, "POSITION", &["VEC3"])?,
         None => None,
     };
-    let (Some(attributes), Some(positions)) = (attributes, positions) else {
+    let (Some(attributes), Some(positions)) = (&attributes, positions) else {
         notes.warn(format!(
             "mesh {}: {} has no positions and is left out",
             quoted(&name),
@@ -104,13 +105,19 @@ fn read_primitive(
         ));
         return Ok(None);
     };
-    check_not_compressed(primitive, &positions)?;
 
+    let unpacked = attributes.triangles();
+    // A Draco stream has triangles, whatever its strip was.
+    let topology = unpacked.map_or(topology, |_| Topology::Triangles);
     let indices = match Accessor::open(file, primitive, "indices", &["SCALAR"])? {
-        Some(indices) => Some(indices.unsigned()?),
-        None => None,
+        Some(indices) if unpacked.is_none() => Some(indices.unsigned()?),
+        _ => None,
     };
-    let n_indices = indices.as_ref().map_or(positions.count(), Accessor::count);
+    let n_indices = match (unpacked, &indices) {
+        (Some(triangles), _) => 3 * triangles.len(),
+        (None, Some(indices)) => indices.count(),
+        (None, None) => positions.count(),
+    };
     notes.n_points_skipped += topology.n_points(n_indices);
     notes.n_lines_skipped += topology.n_lines(n_indices);
     let n_triangles = topology.n_triangles(n_indices);
@@ -126,12 +133,15 @@ fn read_primitive(
 
     file.allowance
         .spend(n_triangles, size_of::<[u32; 3]>(), primitive.at())?;
-    let triangles = read_triangles(topology, n_triangles, indices.as_ref(), positions.count())?;
+    let triangles = match unpacked {
+        Some(triangles) => triangles.to_vec(),
+        None => read_triangles(topology, n_triangles, indices.as_ref(), positions.count())?,
+    };
     let (vertices, triangles) = select_vertices(file, triangles, positions.count(), primitive)?;
 
     let reader = Vertices {
         file,
-        attributes: &attributes,
+        attributes,
         vertices: &vertices,
         n_vertices: positions.count(),
     };
@@ -157,24 +167,10 @@ fn read_primitive(
     mend_numbers(&mut mesh, notes);
     mend_directions(&mut mesh, notes);
     let is_in_world = match deformation.skin {
-        Some(skin) => skin.pose(file, &attributes, &vertices, &mut mesh, notes)?,
+        Some(skin) => skin.pose(file, attributes, &vertices, &mut mesh, notes)?,
         None => false,
     };
     Ok(Some(ReadMesh { mesh, is_in_world }))
-}
-
-/// Draco data may replace the accessors' own, which then would read as zeros.
-fn check_not_compressed(primitive: &Item<'_>, positions: &Accessor<'_>) -> Result<(), Fault> {
-    const DRACO: &str = "KHR_draco_mesh_compression";
-    let extensions = primitive.child("extensions")?;
-    if positions.is_without_data() && extensions.is_some_and(|e| e.has(DRACO)) {
-        return Err(Fault::new(
-            primitive.at(),
-            format!("is compressed with {DRACO}, which cannot be read, and has no fallback"),
-            "store the scene without mesh compression, for instance with gltf-transform",
-        ));
-    }
-    Ok(())
 }
 
 /// Corners as vertex indices of the file, all below `n_vertices`.
@@ -239,7 +235,7 @@ fn select_vertices(
 /// Reads attributes at the selected vertices.
 struct Vertices<'a> {
     file: &'a File<'a>,
-    attributes: &'a Item<'a>,
+    attributes: &'a Attributes<'a>,
     vertices: &'a [u32],
     n_vertices: usize,
 }
@@ -277,7 +273,7 @@ impl Vertices<'_> {
         convert: impl Fn([f32; N]) -> T + Sync,
     ) -> Result<Option<Vec<T>>, Fault> {
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N.clamp(1, 4) - 1];
-        match Accessor::open(self.file, self.attributes, key, &[kind])? {
+        match self.attributes.open(self.file, key, &[kind])? {
             None => Ok(None),
             Some(accessor) => {
                 let accessor = if is_unit {
@@ -321,7 +317,7 @@ pub(super) fn pad_uv_sets(
 
 fn read_colors(reader: &Vertices<'_>) -> Result<Option<Vec<Vec4>>, Fault> {
     let kinds = ["VEC3", "VEC4"];
-    let Some(accessor) = Accessor::open(reader.file, reader.attributes, "COLOR_0", &kinds)? else {
+    let Some(accessor) = reader.attributes.open(reader.file, "COLOR_0", &kinds)? else {
         return Ok(None);
     };
     let is_opaque = accessor.n_components() == 3;

@@ -10,14 +10,14 @@
 //! | `container`, `json` | GLB chunks; typed access to JSON |
 //! | `extension`, `ignored` | what is honoured, and what is lost where it is not |
 //! | `source`, `uri` | files, data URIs, what may be read |
-//! | `buffer`, `accessor`, `allowance` | typed arrays, and how much of them |
+//! | `buffer`, `meshopt`, `accessor`, `allowance` | typed arrays, and how much of them |
 //! | `node`, `instancing` | hierarchy, transforms, visibility, copies |
-//! | `mesh`, `topology`, `morph`, `skin` | primitives into triangles |
+//! | `mesh`, `draco`, `topology`, `morph`, `skin` | primitives into triangles |
 //! | `material`, `texture`, `picture`, `factor` | looks |
 //! | `light`, `camera`, `environment` | both ends of a path |
 //!
 //! Left out, with a note in the report: animations (the pose of the file is
-//! shown), points and lines, mesh compression, KTX2 textures.
+//! shown), points and lines, KTX2 textures.
 
 mod accessor;
 mod allowance;
@@ -25,6 +25,7 @@ mod assemble;
 mod buffer;
 mod camera;
 mod container;
+mod draco;
 mod environment;
 mod error;
 mod extension;
@@ -35,6 +36,7 @@ mod json;
 mod light;
 mod material;
 mod mesh;
+mod meshopt;
 mod morph;
 mod node;
 mod notes;

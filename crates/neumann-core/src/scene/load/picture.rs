@@ -198,7 +198,7 @@ fn encoded<'a>(
     let item = file.document.item("images", index)?;
     match item.text("uri")? {
         Some(uri) => Ok(Encoded::Fetched(source.fetch(uri, &item.path("uri"))?)),
-        None => match file.buffers.view(&file.document, &item)? {
+        None => match file.buffers.view(&file.document, &item, &file.allowance)? {
             Some(view) => Ok(Encoded::View(view.bytes)),
             None => Err(Fault::broken(item.at(), "has neither uri nor bufferView")),
         },

@@ -9,8 +9,8 @@ use glam::{Mat3, Mat4};
 
 use super::File;
 use super::accessor::Accessor;
+use super::draco::Attributes;
 use super::error::Fault;
-use super::json::Item;
 use super::node::Hierarchy;
 use super::notes::Notes;
 use crate::scene::description::MeshDescription;
@@ -78,7 +78,7 @@ impl Skin {
     pub(super) fn pose(
         &self,
         file: &File<'_>,
-        attributes: &Item<'_>,
+        attributes: &Attributes<'_>,
         vertices: &[u32],
         mesh: &mut MeshDescription,
         notes: &mut Notes,
@@ -122,7 +122,7 @@ impl Skin {
     fn blend(
         &self,
         file: &File<'_>,
-        attributes: &Item<'_>,
+        attributes: &Attributes<'_>,
         vertices: &[u32],
         notes: &mut Notes,
     ) -> Result<Option<Vec<Mat4>>, Fault> {
@@ -130,8 +130,8 @@ impl Skin {
         let mut sums: Option<Vec<(Mat4, f32)>> = None;
         for set in 0..MOST_SETS {
             let (joints_key, weights_key) = (format!("JOINTS_{set}"), format!("WEIGHTS_{set}"));
-            let joints = Accessor::open(file, attributes, &joints_key, &["VEC4"])?;
-            let weights = Accessor::open(file, attributes, &weights_key, &["VEC4"])?;
+            let joints = attributes.open(file, &joints_key, &["VEC4"])?;
+            let weights = attributes.open(file, &weights_key, &["VEC4"])?;
             let (Some(joints), Some(weights)) = (joints, weights) else {
                 break;
             };

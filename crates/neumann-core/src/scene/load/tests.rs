@@ -79,7 +79,7 @@ impl Builder {
         json.to_string().into_bytes()
     }
 
-    fn load(&self) -> Result<SceneDescription, LoadError> {
+    pub(super) fn load(&self) -> Result<SceneDescription, LoadError> {
         let resolve = |uri: &str| (uri == "b.bin").then(|| self.bytes.clone());
         load_bytes("test.gltf", &self.text(), &resolve)
     }

@@ -20,8 +20,8 @@
 //!
 //! What it is not: within a radius of an edge of the light, or of a surface, the bias goes with `r`
 //! rather than with `r²`, and is up to [`EDGES`] times what is said; on the edge itself both radii
-//! see the same, and nothing is said. By `vcm` it may fall faster than with `r²`, for smaller radii
-//! have smaller MIS weights; it is no less than `1 - q` times what is said.
+//! see the same, and nothing is said. By `vcm` it may fall faster than with `r²`, for smaller
+//! radii have smaller MIS weights; it is no less than `1 - q` times what is said.
 
 mod map;
 mod radii;
@@ -40,10 +40,10 @@ pub use report::{Report, Row};
 
 /// The smaller radius over the larger one.
 pub const RATIO: f64 = 0.5;
-/// How many times the bias may be what is said, where the light has edges: along a straight edge
-/// of a shadow the root of `∫ b(u)² du` is 1.56 times that of `∫ (b(u) - b(2 u))² du / (1 - q)²`,
-/// with `b(u) = (acos u - u √(1 - u²)) / π`, the share of a disk beyond a line `u` radii from its
-/// middle.
+/// How many times the bias may be what is said, where the light has edges. Along a straight edge
+/// of a shadow the root of `∫ b(u)² du` is 1.56 times that of
+/// `∫ (b(u) - b(2 u))² du / (1 - q)²`. There `b(u) = (acos u - u √(1 - u²)) / π` is the
+/// share of a disk beyond a line `u` radii from its middle.
 pub const EDGES: f64 = 1.6;
 /// Standard deviations of what is said of a bias.
 const DEVIATIONS: f64 = 2.0;
@@ -231,8 +231,10 @@ impl RadiusBias {
     ///
     /// Noise is alike in neighbours that look at the same photons. Where it has the covariance
     /// `v ρ(d)`, `v` that of a pixel, the sum of squares has the variance
-    /// `2 Σ v² Σ ρ² + 4 Σ b² v Σ ρ`, and `Σ ρ² <= Σ ρ`. `Σ ρ`, the number of pixels that move as
-    /// one, is read off the finest cells: their noise is less than that of their pixels by so much.
+    /// `2 Σ v² Σ ρ² + 4 Σ b² v Σ ρ`, and `Σ ρ² <= Σ ρ`.
+    ///
+    /// `Σ ρ` is the number of pixels that move as one. It is read off the finest cells: their
+    /// noise is less than that of their pixels by so much.
     fn mean_square(&self, view: usize) -> (f64, f64) {
         let cells = self.cells();
         let (width, height) = cells.size();

@@ -3,8 +3,8 @@
 //!
 //! While the view is open the film rests, and the method of the picture renders at its radius and
 //! at half of it. [`BiasView`] owns what is looked at, `worker` renders and measures on a thread of
-//! its own, `column` says what follows. Films of more than 512×512 pixels are measured in a smaller
-//! size; memory stays below 20 MB for each part of the series, and all of it is given back.
+//! its own, `column` says what follows. Films of more than 512×512 pixels are measured in a
+//! smaller size; memory stays below 20 MB for each part of the series, and all of it is given back.
 
 mod column;
 mod worker;

@@ -45,8 +45,8 @@ fn choices(ui: &mut Ui, view: &mut LobeView, session: &Session) {
     let name = format!("Material: {name}");
     let row = row_button(ui, &name, "list", view.menu.is_some());
     let spot = row.rect;
-    let about = "The material that is looked at. Opens the list of all; ← and → step through it, \
-                 and a click into the picture takes the surface there.";
+    let about = "The material that is looked at. Opens the list of all; ← and → step through \
+                 it, and a click into the picture takes the surface there.";
     if row.on_hover_text(about).clicked() {
         view.menu = if view.menu.is_some() {
             None

@@ -106,8 +106,8 @@ pub(super) fn show(ui: &Ui, rect: Rect, viewed: &Viewed, plot: Plot, is_whole: b
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
     response.on_hover_text(
         "The plane of normal and viewer: each direction as far from the point as its value, in the \
-         brightest channel. Rings have their values at the surface, sr⁻¹. The amber line points to \
-         the viewer; arrows are mirror-like lobes, the outer ring being all of the light. Dashes \
-         are the density of BSDF sampling, scaled to the same integral.",
+         brightest channel. Rings have their values at the surface, sr⁻¹. The amber line \
+         points to the viewer. Arrows are mirror-like lobes, the outer ring being all of the \
+         light. Dashes are the density of BSDF sampling, scaled to the same integral.",
     );
 }
